@@ -1,0 +1,34 @@
+// Points, directions and axis-aligned boxes: plain values, the vocabulary of every other header.
+#pragma once
+
+#include <limits>
+
+namespace kerf {
+
+/// A point or a direction in three dimensions.
+struct Vec3f {
+  float x = 0.0f;
+  float y = 0.0f;
+  float z = 0.0f;
+
+  /// The component on `axis`: 0 is x, 1 is y, 2 is z.
+  constexpr float operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  constexpr float& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+
+  friend constexpr bool operator==(const Vec3f&, const Vec3f&) = default;
+};
+
+/// An axis-aligned box, both ends included. A default box is empty: growing it by a point gives that point.
+struct Box3f {
+  Vec3f lower{std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
+              std::numeric_limits<float>::infinity()};
+  Vec3f upper{-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+              -std::numeric_limits<float>::infinity()};
+
+  /// True where no point lies inside.
+  constexpr bool empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
+
+  friend constexpr bool operator==(const Box3f&, const Box3f&) = default;
+};
+
+}  // namespace kerf

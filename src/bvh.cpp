@@ -1,0 +1,87 @@
+#include <algorithm>
+#include <chrono>
+
+#include <kerf/kerf.hpp>
+
+#include "build/build_tree.hpp"
+#include "kernel/binary_traversal.hpp"
+#include "stages.hpp"
+#include "structure.hpp"
+
+namespace kerf {
+namespace {
+
+void name_mesh(const Bvh::Structure& structure, Hit& hit) {
+  const auto& first = structure.first_triangles;
+  hit.mesh = static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), hit.primitive) - first.begin() - 1);
+  hit.primitive -= first[hit.mesh];
+}
+
+}  // namespace
+
+Bvh::Bvh() : structure_(std::make_shared<Structure>()) {}
+Bvh::Bvh(std::shared_ptr<const Structure> structure) : structure_(std::move(structure)) {}
+
+std::optional<Hit> Bvh::intersect(const Ray& ray) const {
+  TraversalCounters counters;
+  return intersect_counted(*this, ray, counters);
+}
+
+bool Bvh::occluded(const Ray& ray) const { return trace_any(*structure_, ray, nullptr); }
+
+void Bvh::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+  if (rays.size() != hits.size()) throw Error(Error::invalid_argument, "as many hits as rays are needed");
+  for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = intersect(rays[i]).value_or(Hit{});
+}
+
+void Bvh::occluded(std::span<const Ray> rays, std::span<std::uint8_t> results) const {
+  if (rays.size() != results.size()) throw Error(Error::invalid_argument, "as many results as rays are needed");
+  for (std::size_t i = 0; i < rays.size(); ++i) results[i] = occluded(rays[i]);
+}
+
+Box3f Bvh::bounds() const { return structure_->tree.empty() ? Box3f{} : structure_->tree.nodes[0].bounds; }
+
+const BvhStatistics& Bvh::statistics() const { return structure_->statistics; }
+
+std::optional<Hit> intersect_counted(const Bvh& bvh, const Ray& ray, TraversalCounters& counters) {
+  Hit hit = trace_closest(bvh.structure(), ray, &counters);
+  if (!hit) return std::nullopt;
+  name_mesh(bvh.structure(), hit);
+  return hit;
+}
+
+bool occluded_counted(const Bvh& bvh, const Ray& ray, TraversalCounters& counters) {
+  return trace_any(bvh.structure(), ray, &counters);
+}
+
+Bvh make_bvh(const Geometry& geometry, BinaryTree tree) {
+  auto structure = std::make_shared<Bvh::Structure>();
+  structure->triangles.reserve(tree.references.size());
+  for (const std::uint32_t id : tree.references) structure->triangles.push_back(geometry.triangle(id));
+  structure->first_triangles.assign(geometry.first_triangles().begin(), geometry.first_triangles().end());
+  BvhStatistics& statistics = structure->statistics;
+  statistics.triangles = geometry.triangle_count();
+  statistics.degenerate_triangles = tree.degenerate_triangles;
+  statistics.references = tree.references.size();
+  statistics.nodes = tree.nodes.size();
+  statistics.bytes = tree.nodes.size() * sizeof(BinaryNode) +
+                     tree.references.size() * (sizeof(std::uint32_t) + sizeof(Triangle));
+  statistics.build_peak_bytes = std::max(tree.build_peak_bytes, statistics.bytes);
+  structure->tree = std::move(tree);
+  return Bvh(std::move(structure));
+}
+
+Bvh build(const TriangleMesh& mesh, const BuildOptions& options) {
+  return build(std::span<const TriangleMesh>(&mesh, 1), options);
+}
+
+Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const Geometry geometry(meshes);
+  Bvh bvh = make_bvh(geometry, build_tree(geometry, options));
+  const_cast<BvhStatistics&>(bvh.statistics()).build_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return bvh;
+}
+
+}  // namespace kerf

@@ -1,0 +1,14 @@
+// What a traversal did.
+#pragma once
+
+#include <cstdint>
+
+namespace kerf {
+
+struct TraversalCounters {
+  std::uint64_t steps = 0;           ///< inner nodes visited
+  std::uint64_t leaves = 0;          ///< leaves visited
+  std::uint64_t triangle_tests = 0;  ///< triangles tested
+};
+
+}  // namespace kerf

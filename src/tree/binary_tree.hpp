@@ -1,0 +1,38 @@
+// What every builder makes, and what measures, refinement, the wide layout and the files read.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "math/box3f.hpp"
+
+namespace kerf {
+
+//        0        children stand side by side: an inner node's right child
+//       / \       is its left child plus one; every child comes after its parent
+//      1   2
+//     / \ .
+//    3   4
+struct BinaryNode {
+  Box3f bounds;
+  std::uint32_t first = 0;  ///< inner: number of the left child; leaf: place of its first reference
+  std::uint32_t count = 0;  ///< inner: 0; leaf: its number of references
+
+  bool is_leaf() const { return count != 0; }
+  std::uint32_t left() const { return first; }
+  std::uint32_t right() const { return first + 1; }
+};
+static_assert(sizeof(BinaryNode) == 32);
+
+/// A binary bounding volume hierarchy. `nodes[0]` is the root; a tree of nothing has no nodes.
+struct BinaryTree {
+  std::vector<BinaryNode> nodes;
+  std::vector<std::uint32_t> references;  ///< the triangles of the leaves, by their number in the `Geometry`
+  std::size_t degenerate_triangles = 0;   ///< left out by the builder
+  std::size_t build_peak_bytes = 0;       ///< the most that the builder held at once, this tree included
+
+  bool empty() const { return nodes.empty(); }
+};
+
+}  // namespace kerf

@@ -1,0 +1,62 @@
+// The meshes of a build, seen as one numbered row of triangles.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <kerf/mesh.hpp>
+
+#include "math/box3f.hpp"
+
+namespace kerf {
+
+struct Triangle {
+  Vec3f v0, v1, v2;
+};
+
+inline Box3f bounds_of(const Triangle& t) { return {min(min(t.v0, t.v1), t.v2), max(max(t.v0, t.v1), t.v2)}; }
+
+/// Numbers the triangles of all meshes from 0, mesh after mesh. A view: the meshes must outlive it.
+class Geometry {
+ public:
+  /// Checks counts only. Throws `Error::too_large` for 2^31 triangles or more.
+  explicit Geometry(std::span<const TriangleMesh> meshes);
+
+  std::size_t triangle_count() const { return first_.back(); }
+  std::span<const TriangleMesh> meshes() const { return meshes_; }
+
+  /// Triangle `id` of `0 .. triangle_count() - 1`; its indices must be in range.
+  Triangle triangle(std::uint32_t id) const {
+    const auto [mesh, primitive] = locate(id);
+    const auto [a, b, c] = meshes_[mesh].triangles[primitive].values;
+    const auto& vertices = meshes_[mesh].vertices;
+    return {vertex(vertices, a), vertex(vertices, b), vertex(vertices, c)};
+  }
+
+  struct Location {
+    std::uint32_t mesh;
+    std::uint32_t primitive;
+  };
+  Location locate(std::uint32_t id) const {
+    std::uint32_t mesh = 0;
+    if (first_.size() > 2) mesh = mesh_of(id);
+    return {mesh, id - first_[mesh]};
+  }
+
+  /// For mesh m, the number of its first triangle; one more entry ends the last mesh.
+  std::span<const std::uint32_t> first_triangles() const { return first_; }
+
+ private:
+  static Vec3f vertex(const TripleView<float>& vertices, std::uint32_t i) {
+    const auto [x, y, z] = vertices[i].values;
+    return {x, y, z};
+  }
+  std::uint32_t mesh_of(std::uint32_t id) const;
+
+  std::span<const TriangleMesh> meshes_;
+  std::vector<std::uint32_t> first_;
+};
+
+}  // namespace kerf

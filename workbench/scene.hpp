@@ -1,0 +1,36 @@
+// A scene: one triangle mesh, and the viewpoints from which it is looked at.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <kerf/mesh.hpp>
+#include <kerf/vec.hpp>
+
+namespace workbench {
+
+struct Viewpoint {
+  kerf::Vec3f position;
+  kerf::Vec3f target;
+  kerf::Vec3f up{0.0f, 1.0f, 0.0f};
+  float vertical_field_of_view = 60.0f;  ///< degrees
+};
+
+struct Scene {
+  std::string name;  ///< as the user wrote it
+  std::vector<kerf::Vec3f> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<Viewpoint> viewpoints;  ///< three or more
+
+  kerf::TriangleMesh mesh() const { return {.vertices = vertices, .triangles = triangles}; }
+};
+
+/// Loads or generates what `spec` names: a file or a generated scene, then optionally `:key=value,...`
+/// (`rotate=30` turns it 30 degrees about z, then y, then x; `detail=2` doubles a generated scene's triangles).
+/// Throws `kerf::Error` with one line that names the file, the place in it and what is wrong.
+Scene load_scene(std::string_view spec);
+
+}  // namespace workbench
