@@ -1,65 +1,27 @@
 #include "build/build_tree.hpp"
 
-#include <algorithm>
-#include <vector>
+#include <utility>
 
-#include <kerf/error.hpp>
+#include "build/input.hpp"
+#include "build/split_bvh_builder.hpp"
 
 namespace kerf {
-namespace {
-
-struct Reference {
-  Box3f bounds;
-  std::uint32_t primitive;
-};
-
-// Median splits on the widest axis of the centroids: the first thin road, before the surface-area heuristic.
-void split(BinaryTree& tree, std::vector<Reference>& references, std::uint32_t node, std::uint32_t begin,
-           std::uint32_t end, std::uint32_t max_leaf_size) {
-  Box3f bounds, centroids;
-  for (std::uint32_t i = begin; i < end; ++i) {
-    bounds = merge(bounds, references[i].bounds);
-    centroids = merge(centroids, references[i].bounds.lower + references[i].bounds.upper);
-  }
-  tree.nodes[node].bounds = bounds;
-  if (end - begin <= max_leaf_size) {
-    tree.nodes[node].first = static_cast<std::uint32_t>(tree.references.size());
-    tree.nodes[node].count = end - begin;
-    for (std::uint32_t i = begin; i < end; ++i) tree.references.push_back(references[i].primitive);
-    return;
-  }
-  const Vec3f size = extent(centroids);
-  const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
-  const std::uint32_t middle = (begin + end) / 2;
-  std::nth_element(references.begin() + begin, references.begin() + middle, references.begin() + end,
-                   [axis](const Reference& a, const Reference& b) {
-                     const float ca = a.bounds.lower[axis] + a.bounds.upper[axis];
-                     const float cb = b.bounds.lower[axis] + b.bounds.upper[axis];
-                     return ca != cb ? ca < cb : a.primitive < b.primitive;
-                   });
-  const auto left = static_cast<std::uint32_t>(tree.nodes.size());
-  tree.nodes.resize(tree.nodes.size() + 2);
-  tree.nodes[node].first = left;
-  split(tree, references, left, begin, middle, max_leaf_size);
-  split(tree, references, left + 1, middle, end, max_leaf_size);
-}
-
-}  // namespace
 
 BinaryTree build_tree(const Geometry& geometry, const BuildOptions& options) {
+  check_options(options);
+  Input input = make_references(geometry);
   BinaryTree tree;
-  std::vector<Reference> references;
-  for (std::uint32_t i = 0; i < geometry.triangle_count(); ++i) {
-    const Triangle triangle = geometry.triangle(i);
-    if (length(cross(triangle.v1 - triangle.v0, triangle.v2 - triangle.v0)) == 0.0f) {
-      ++tree.degenerate_triangles;
-    } else {
-      references.push_back({bounds_of(triangle), i});
-    }
+  switch (options.builder) {
+    case Builder::sbvh:
+      tree = build_split_tree(geometry, std::move(input.references), options);
+      break;
+    case Builder::bvh:
+    case Builder::esc:
+    case Builder::evh:
+      tree = build_object_split_tree(std::move(input.references), options);
+      break;
   }
-  if (references.empty()) return tree;
-  tree.nodes.resize(1);
-  split(tree, references, 0, 0, static_cast<std::uint32_t>(references.size()), options.max_leaf_size);
+  tree.degenerate_triangles = input.degenerate_triangles;
   return tree;
 }
 

@@ -9,6 +9,12 @@
 
 namespace kerf {
 
+/// No leaf lies deeper than this below the root, whose depth is 0: every builder ends in median splits when
+/// it comes near, so a stack of this many entries is enough for any traversal. 32 of these levels suffice to
+/// halve 2^32 references; the surface-area heuristic has the others to itself (sponza's tree is 30 deep, a
+/// dragon's 34).
+inline constexpr std::uint32_t max_tree_depth = 96;
+
 //        0        children stand side by side: an inner node's right child
 //       / \       is its left child plus one; every child comes after its parent
 //      1   2

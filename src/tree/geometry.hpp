@@ -3,20 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <kerf/mesh.hpp>
 #include <span>
 #include <vector>
 
-#include <kerf/mesh.hpp>
-
-#include "math/box3f.hpp"
+#include "math/triangle.hpp"
 
 namespace kerf {
-
-struct Triangle {
-  Vec3f v0, v1, v2;
-};
-
-inline Box3f bounds_of(const Triangle& t) { return {min(min(t.v0, t.v1), t.v2), max(max(t.v0, t.v1), t.v2)}; }
 
 /// Numbers the triangles of all meshes from 0, mesh after mesh. A view: the meshes must outlive it.
 class Geometry {
