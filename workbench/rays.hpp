@@ -1,12 +1,12 @@
-// The rays that engines and builders are compared with: the same for the same scene, on every run and machine.
+// The rays that engines and builders are compared with: the same for the same scene, on every run and
+// machine.
 #pragma once
 
 #include <cstddef>
-#include <string_view>
-#include <vector>
-
 #include <kerf/bvh.hpp>
 #include <kerf/ray.hpp>
+#include <string_view>
+#include <vector>
 
 #include "workbench/scene.hpp"
 
@@ -14,7 +14,7 @@ namespace workbench {
 
 enum class RayType {
   primary,  ///< through the pixels of every viewpoint, closest hit
-  ao,       ///< ambient occlusion: cosine-distributed from primary hits, a quarter of the diagonal long, any hit
+  ao,  ///< ambient occlusion: cosine-distributed from primary hits, a quarter of the diagonal long, any hit
   diffuse,  ///< cosine-distributed from primary hits, unbounded, closest hit
 };
 
@@ -30,12 +30,12 @@ struct RaySet {
 };
 
 struct RaySetOptions {
-  std::size_t width = 256;   ///< pixels of each viewpoint
+  std::size_t width = 256;  ///< pixels of each viewpoint
   std::size_t height = 192;
 };
 
-/// The rays through every viewpoint of `scene`. `bvh` is any hierarchy of the scene: it finds the primary hits that
-/// the secondary rays leave from.
+/// The rays through every viewpoint of `scene`. `bvh` is any hierarchy of the scene: it finds the primary
+/// hits that the secondary rays leave from.
 RaySet make_rays(const Scene& scene, const kerf::Bvh& bvh, RayType type, const RaySetOptions& options = {});
 
 }  // namespace workbench

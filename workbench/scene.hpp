@@ -3,12 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <kerf/mesh.hpp>
+#include <kerf/vec.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <kerf/mesh.hpp>
-#include <kerf/vec.hpp>
 
 namespace workbench {
 
@@ -29,8 +28,8 @@ struct Scene {
 };
 
 /// Loads or generates what `spec` names: a file or a generated scene, then optionally `:key=value,...`
-/// (`rotate=30` turns it 30 degrees about z, then y, then x; `detail=2` doubles a generated scene's triangles).
-/// Throws `kerf::Error` with one line that names the file, the place in it and what is wrong.
+/// (`rotate=30` turns it 30 degrees about z, then y, then x; `detail=2` doubles a generated scene's
+/// triangles). Throws `kerf::Error` with one line that names the file, the place in it and what is wrong.
 Scene load_scene(std::string_view spec);
 
 }  // namespace workbench

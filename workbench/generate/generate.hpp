@@ -1,0 +1,12 @@
+// The generators, one a file. Each makes about `detail` times its default number of triangles, the same on
+// every machine, with the y axis up and lengths in metres.
+#pragma once
+
+#include "workbench/scene.hpp"
+
+namespace workbench {
+
+Scene generate_terrain(double detail);
+Scene generate_sticks(double detail);
+
+}  // namespace workbench
