@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-
 #include <kerf/kerf.hpp>
 
 #include "build/build_tree.hpp"
@@ -11,10 +10,14 @@
 namespace kerf {
 namespace {
 
-void name_mesh(const Bvh::Structure& structure, Hit& hit) {
+// The hit with its triangle named by mesh and primitive, or nothing.
+std::optional<Hit> named(const Bvh::Structure& structure, Hit hit) {
+  if (!hit) return std::nullopt;
   const auto& first = structure.first_triangles;
-  hit.mesh = static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), hit.primitive) - first.begin() - 1);
+  hit.mesh = static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), hit.primitive) -
+                                        first.begin() - 1);
   hit.primitive -= first[hit.mesh];
+  return hit;
 }
 
 }  // namespace
@@ -23,11 +26,12 @@ Bvh::Bvh() : structure_(std::make_shared<Structure>()) {}
 Bvh::Bvh(std::shared_ptr<const Structure> structure) : structure_(std::move(structure)) {}
 
 std::optional<Hit> Bvh::intersect(const Ray& ray) const {
-  TraversalCounters counters;
-  return intersect_counted(*this, ray, counters);
+  return named(*structure_, trace_closest(*structure_, ray, nullptr));
 }
 
-bool Bvh::occluded(const Ray& ray) const { return trace_any(*structure_, ray, nullptr); }
+bool Bvh::occluded(const Ray& ray) const {
+  return trace_any(*structure_, ray, nullptr);
+}
 
 void Bvh::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
   if (rays.size() != hits.size()) throw Error(Error::invalid_argument, "as many hits as rays are needed");
@@ -35,19 +39,21 @@ void Bvh::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
 }
 
 void Bvh::occluded(std::span<const Ray> rays, std::span<std::uint8_t> results) const {
-  if (rays.size() != results.size()) throw Error(Error::invalid_argument, "as many results as rays are needed");
+  if (rays.size() != results.size())
+    throw Error(Error::invalid_argument, "as many results as rays are needed");
   for (std::size_t i = 0; i < rays.size(); ++i) results[i] = occluded(rays[i]);
 }
 
-Box3f Bvh::bounds() const { return structure_->tree.empty() ? Box3f{} : structure_->tree.nodes[0].bounds; }
+Box3f Bvh::bounds() const {
+  return structure_->tree.empty() ? Box3f{} : structure_->tree.nodes[0].bounds;
+}
 
-const BvhStatistics& Bvh::statistics() const { return structure_->statistics; }
+const BvhStatistics& Bvh::statistics() const {
+  return structure_->statistics;
+}
 
 std::optional<Hit> intersect_counted(const Bvh& bvh, const Ray& ray, TraversalCounters& counters) {
-  Hit hit = trace_closest(bvh.structure(), ray, &counters);
-  if (!hit) return std::nullopt;
-  name_mesh(bvh.structure(), hit);
-  return hit;
+  return named(bvh.structure(), trace_closest(bvh.structure(), ray, &counters));
 }
 
 bool occluded_counted(const Bvh& bvh, const Ray& ray, TraversalCounters& counters) {

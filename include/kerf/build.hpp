@@ -43,7 +43,7 @@ struct BuildOptions {
 
   /// Called now and then, from any thread but never from two at once, with a fraction in [0, 1] that never falls.
   /// Returning false cancels the build, which then throws `Error::cancelled`.
-  std::function<bool(float)> progress;
+  std::function<bool(float)> progress = {};
 };
 
 /// Builds the hierarchy of one mesh. Degenerate triangles (no area) are counted and left out; so is nothing else.

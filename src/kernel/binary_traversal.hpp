@@ -1,4 +1,5 @@
-// Tracing the binary tree itself, one box and one triangle at a time: the reference that wider kernels must equal.
+// Tracing the binary tree itself, one box and one triangle at a time: the reference that wider kernels must
+// equal.
 #pragma once
 
 #include <kerf/ray.hpp>
@@ -8,7 +9,8 @@
 
 namespace kerf {
 
-/// The closest hit; its `primitive` is a triangle's number in the `Geometry`. Counts into `counters` unless null.
+/// The closest hit, or of several at the same t the lowest triangle; its `primitive` is a triangle's number
+/// in the `Geometry`. Counts into `counters` unless null.
 Hit trace_closest(const Bvh::Structure& structure, const Ray& ray, TraversalCounters* counters);
 
 /// Whether there is any hit.

@@ -2,19 +2,20 @@
 #pragma once
 
 #include <cmath>
-#include <utility>
-
 #include <kerf/ray.hpp>
+#include <utility>
 
 #include "math/vec3f.hpp"
 #include "tree/geometry.hpp"
 
 namespace kerf {
 
-/// A ray's frame: the axis on which its direction is largest becomes z, and a shear takes the direction to (0, 0, 1).
+/// A ray's frame: the axis on which its direction is largest becomes z, and a shear takes the direction to
+/// (0, 0, d).
 struct RayShear {
   int kx, ky, kz;
-  float sx, sy, sz;
+  float sx, sy;
+  double inverse_dz;
 
   explicit RayShear(const Vec3f& direction) {
     const float ax = std::abs(direction.x), ay = std::abs(direction.y), az = std::abs(direction.z);
@@ -24,39 +25,45 @@ struct RayShear {
     if (direction[kz] < 0.0f) std::swap(kx, ky);  // keeps the winding of triangles
     sx = direction[kx] / direction[kz];
     sy = direction[ky] / direction[kz];
-    sz = 1.0f / direction[kz];
+    inverse_dz = 1.0 / static_cast<double>(direction[kz]);
   }
 };
 
-/// Makes `hit` the crossing of the ray with `triangle` if that lies in `[t_min, t_max]`; only t, u and v are written.
+/// Makes `hit` the crossing of the ray with `triangle` if that lies in `[t_min, t_max]`; only t, u and v are
+/// written.
 ///
-/// The edge functions are differences of two rounded products, so that swapping an edge's ends flips the sign and
-/// nothing else: this file must be compiled without contraction to fused multiply-add.
-inline bool intersect_triangle(const RayShear& shear, const Vec3f& origin, const Triangle& triangle, float t_min,
-                               float t_max, Hit& hit) {
+/// What is decided here is exact for the triangle as it stands after the shear, whose vertices are rounded to
+/// single precision, each in one way for all the triangles that share it: a ray that meets a closed surface
+/// hits a triangle. The weights are near exact, too, so that t is the distance of a point of the triangle
+/// that lies within the shear's rounding of the ray, however thin the triangle: t fits the boxes in which the
+/// traversal looks for the triangle.
+///
+/// First come edge functions in single precision. A difference of two rounded products has the sign of the
+/// exact one, or is zero: rounding is monotonic. (That would not hold if one product were fused into the
+/// difference.) They turn most triangles away. For the others, products of two floats are exact in double
+/// precision.
+inline bool intersect_triangle(const RayShear& shear, const Vec3f& origin, const Triangle& triangle,
+                               float t_min, float t_max, Hit& hit) {
   const Vec3f a = triangle.v0 - origin, b = triangle.v1 - origin, c = triangle.v2 - origin;
   const float ax = a[shear.kx] - shear.sx * a[shear.kz], ay = a[shear.ky] - shear.sy * a[shear.kz];
   const float bx = b[shear.kx] - shear.sx * b[shear.kz], by = b[shear.ky] - shear.sy * b[shear.kz];
   const float cx = c[shear.kx] - shear.sx * c[shear.kz], cy = c[shear.ky] - shear.sy * c[shear.kz];
+  const auto signs_differ = [](auto u, auto v, auto w) {
+    return (u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0);
+  };
+  if (signs_differ(cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax)) return false;
 
-  float u = cx * by - cy * bx;
-  float v = ax * cy - ay * cx;
-  float w = bx * ay - by * ax;
-  if (u == 0.0f || v == 0.0f || w == 0.0f) {  // products of two floats are exact in double precision
-    u = static_cast<float>(static_cast<double>(cx) * by - static_cast<double>(cy) * bx);
-    v = static_cast<float>(static_cast<double>(ax) * cy - static_cast<double>(ay) * cx);
-    w = static_cast<float>(static_cast<double>(bx) * ay - static_cast<double>(by) * ax);
-  }
-  if ((u < 0.0f || v < 0.0f || w < 0.0f) && (u > 0.0f || v > 0.0f || w > 0.0f)) return false;
-  const float determinant = u + v + w;
-  if (determinant == 0.0f) return false;
-
-  const float az = shear.sz * a[shear.kz], bz = shear.sz * b[shear.kz], cz = shear.sz * c[shear.kz];
-  const float t = (u * az + v * bz + w * cz) / determinant;
-  if (!(t >= t_min && t <= t_max)) return false;
+  const double u = static_cast<double>(cx) * by - static_cast<double>(cy) * bx;
+  const double v = static_cast<double>(ax) * cy - static_cast<double>(ay) * cx;
+  const double w = static_cast<double>(bx) * ay - static_cast<double>(by) * ax;
+  if (signs_differ(u, v, w)) return false;
+  const double determinant = u + v + w;
+  const double z = u * a[shear.kz] + v * b[shear.kz] + w * c[shear.kz];
+  const auto t = static_cast<float>(z / determinant * shear.inverse_dz);
+  if (!(t >= t_min && t <= t_max)) return false;  // so is a triangle seen edge-on, whose determinant is 0
   hit.t = t;
-  hit.u = v / determinant;
-  hit.v = w / determinant;
+  hit.u = static_cast<float>(v / determinant);
+  hit.v = static_cast<float>(w / determinant);
   return true;
 }
 
