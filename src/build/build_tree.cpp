@@ -3,22 +3,40 @@
 #include <utility>
 
 #include "build/input.hpp"
+#include "build/presplit.hpp"
 #include "build/split_bvh_builder.hpp"
 
 namespace kerf {
+namespace {
+
+std::size_t presplit_limit(const BuildOptions& options, std::size_t triangles) {
+  if (options.presplit_references != 0) return options.presplit_references;
+  return static_cast<std::size_t>(static_cast<double>(options.max_reference_ratio) *
+                                  static_cast<double>(triangles));
+}
+
+}  // namespace
 
 BinaryTree build_tree(const Geometry& geometry, const BuildOptions& options) {
   check_options(options);
   Input input = make_references(geometry);
+  const std::size_t limit = presplit_limit(options, input.references.size());
   BinaryTree tree;
   switch (options.builder) {
     case Builder::sbvh:
       tree = build_split_tree(geometry, std::move(input.references), options);
       break;
     case Builder::bvh:
-    case Builder::esc:
-    case Builder::evh:
       tree = build_object_split_tree(std::move(input.references), options);
+      break;
+    case Builder::esc:
+      tree = build_object_split_tree(split_by_area(geometry, std::move(input.references), limit), options);
+      merge_parts_in_leaves(tree);
+      break;
+    case Builder::evh:
+      tree = build_object_split_tree(split_by_edge_volume(geometry, std::move(input.references), limit),
+                                     options);
+      merge_parts_in_leaves(tree);
       break;
   }
   tree.degenerate_triangles = input.degenerate_triangles;
