@@ -1,14 +1,18 @@
 // The hierarchy: rays are traced and questions answered here.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <kerf/query.hpp>
+#include <kerf/ray.hpp>
+#include <kerf/vec.hpp>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
-
-#include <kerf/ray.hpp>
-#include <kerf/vec.hpp>
+#include <type_traits>
+#include <vector>
 
 namespace kerf {
 
@@ -23,8 +27,8 @@ struct BvhStatistics {
   double build_seconds = 0.0;            ///< from the caller's arrays to a structure ready to trace
 };
 
-/// A split bounding volume hierarchy, ready to trace. A handle: copies share one structure, which never changes,
-/// so every call may be made from any number of threads at once.
+/// A split bounding volume hierarchy, ready to trace. A handle: copies share one structure, which never
+/// changes, so every call may be made from any number of threads at once.
 class Bvh {
  public:
   /// A hierarchy of nothing, which every ray misses.
@@ -36,12 +40,58 @@ class Bvh {
   /// True if anything is hit in `[ray.t_min, ray.t_max]`.
   bool occluded(const Ray& ray) const;
 
-  /// `hits[i]` becomes the closest hit of `rays[i]`, or a `Hit` that converts to false. All cores; the same hits
-  /// as one by one. Throws `Error::invalid_argument` if the spans differ in length.
+  /// `hits[i]` becomes the closest hit of `rays[i]`, or a `Hit` that converts to false. All cores; the same
+  /// hits as one by one. Throws `Error::invalid_argument` if the spans differ in length.
   void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
 
   /// `occluded[i]` becomes 1 if `rays[i]` hits anything, else 0. As above.
   void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded) const;
+
+  /// Calls `visit(hit)` for every triangle that the ray crosses in `[ray.t_min, ray.t_max]`, each exactly
+  /// once, in the order of (t, mesh, primitive), until `visit` returns false; it may also return nothing.
+  /// Both sides count.
+  ///
+  /// What is crossed is decided in exact arithmetic, without a tolerance. A ray through an edge or a vertex
+  /// is taken as infinitesimally moved aside, for all triangles alike: the line of a ray crosses a closed
+  /// surface an even number of times, always. Triangles that the ray only touches, or in whose plane it lies,
+  /// are not crossed. Throws `Error::out_of_memory`, and what `visit` throws.
+  template <std::invocable<const Hit&> Visit>
+  void all_hits(const Ray& ray, Visit&& visit) const {
+    visit_hits(ray, &visit, [](void* visitor, const Hit& hit) {
+      auto& call = *static_cast<std::remove_reference_t<Visit>*>(visitor);
+      if constexpr (std::is_void_v<decltype(call(hit))>) {
+        call(hit);
+        return true;
+      } else {
+        return static_cast<bool>(call(hit));
+      }
+    });
+  }
+
+  /// The same into the caller's memory: fills `hits` with the first of them and returns how many there are in
+  /// all, which may be more than fit.
+  std::size_t all_hits(const Ray& ray, std::span<Hit> hits) const;
+
+  /// Whether `point` lies inside the closed surface that the triangles make, or on it; decided exactly, by
+  /// the parity of the crossings of one ray. Of a surface with holes or overlaps this means just that parity.
+  bool contains(const Vec3f& point) const;
+
+  /// The closest point of any triangle within `max_distance` (included); nothing if there is none. Of several
+  /// at the same distance, the lowest mesh and triangle.
+  std::optional<SurfacePoint> closest_point(
+      const Vec3f& point, float max_distance = std::numeric_limits<float>::infinity()) const;
+
+  /// The distance to the closest point of a closed surface, negative inside (`contains`): exact in its sign
+  /// also where the closest point lies on an edge or a vertex. Infinity for an empty hierarchy.
+  float signed_distance(const Vec3f& point) const;
+
+  /// Every triangle that has a point within `radius` (included) of `point`, once, nearest first, as the point
+  /// of it that is closest.
+  std::vector<SurfacePoint> within(const Vec3f& point, float radius) const;
+
+  /// Every triangle that has a point in `box`, once, in the order of (mesh, primitive); decided exactly.
+  /// Touching counts.
+  std::vector<PrimitiveId> triangles_in(const Box3f& box) const;
 
   /// A box around all triangles; empty for an empty hierarchy.
   Box3f bounds() const;
@@ -53,6 +103,8 @@ class Bvh {
   const Structure& structure() const { return *structure_; }
 
  private:
+  void visit_hits(const Ray& ray, void* visitor, bool (*visit)(void*, const Hit&)) const;
+
   std::shared_ptr<const Structure> structure_;
 };
 

@@ -1,0 +1,65 @@
+// Sums of products of floats without rounding (Shewchuk 1997, "Adaptive Precision Floating-Point Arithmetic
+// and Fast Robust Geometric Predicates"): for the few decisions that double precision leaves open.
+#pragma once
+
+#include <array>
+
+namespace kerf {
+
+/// A sum of doubles, kept as parts that do not overlap, smallest first, so that no bit is lost.
+///
+/// Products of up to three floats neither overflow nor underflow in double precision (2^384 and 2^-447 are in
+/// its range), so everything added here is exact. Must be compiled without contraction and with plain double
+/// arithmetic.
+class ExactSum {
+ public:
+  /// The most terms that a predicate needs: four triple products of six terms, each of two parts.
+  static constexpr int capacity = 48;
+
+  void add(double term) {
+    double carry = term;
+    int kept = 0;
+    for (int i = 0; i < count_; ++i) {
+      const double sum = carry + parts_[i];
+      const double part = sum - carry;
+      const double error = (carry - (sum - part)) + (parts_[i] - part);
+      if (error != 0.0) parts_[kept++] = error;
+      carry = sum;
+    }
+    if (carry != 0.0) parts_[kept++] = carry;
+    count_ = kept;
+  }
+
+  /// A product of two floats has 48 bits, which a double holds.
+  void add_product(float x, float y) { add(static_cast<double>(x) * y); }
+
+  /// A product of three floats has 72 bits: the first two are multiplied and cut in halves (Veltkamp's
+  /// splitting).
+  void add_product(float x, float y, float z) {
+    constexpr double splitter = (1 << 27) + 1;  // leaves 26 bits in each half of the 53
+    const double product = static_cast<double>(x) * y;
+    const double scaled = splitter * product;
+    const double high = scaled - (scaled - product);
+    add(high * z);
+    add((product - high) * z);
+  }
+
+  /// -1, 0 or 1: the sign of the largest part is the sign of the sum.
+  int sign() const {
+    if (count_ == 0) return 0;
+    return parts_[count_ - 1] > 0.0 ? 1 : -1;
+  }
+
+  /// The sum, rounded.
+  double value() const {
+    double sum = 0.0;
+    for (int i = 0; i < count_; ++i) sum += parts_[i];
+    return sum;
+  }
+
+ private:
+  std::array<double, capacity> parts_;
+  int count_ = 0;
+};
+
+}  // namespace kerf

@@ -1,0 +1,45 @@
+#include "query/crossings.hpp"
+#include "query/out_of_memory.hpp"
+#include "query/subtrees.hpp"
+
+namespace kerf {
+namespace {
+
+// Any direction gives the same answer; one that is askew to all coordinate planes leaves the fewest decisions
+// to exact arithmetic in a world of upright walls.
+constexpr Vec3f askew{0.8571f, 0.3163f, 0.4067f};
+
+bool on_surface(const TreeView& tree, const Vec3f& point) {
+  bool found = false;
+  for_each_leaf(
+      tree,
+      [&](const Box3f& box) {
+        return !found && contains(box, Box3f{point, point});
+      },
+      [&](std::uint32_t, const Triangle& triangle) { found = found || lies_on(point, triangle); });
+  return found;
+}
+
+}  // namespace
+
+bool Bvh::contains(const Vec3f& point) const {
+  const TreeView tree(*structure_);
+  if (!kerf::contains(tree.bounds(), Box3f{point, point})) return false;
+  return report_out_of_memory([&] {
+    if (on_surface(tree, point)) return true;
+    bool inside = false;
+    for_each_crossing(tree, {.origin = point, .direction = askew}, [&](std::uint32_t, const Hit&) {
+      inside = !inside;
+      return true;
+    });
+    return inside;
+  });
+}
+
+float Bvh::signed_distance(const Vec3f& point) const {
+  const auto closest = closest_point(point);
+  if (!closest) return std::numeric_limits<float>::infinity();
+  return contains(point) ? -closest->distance : closest->distance;
+}
+
+}  // namespace kerf

@@ -1,0 +1,20 @@
+// What a failed allocation becomes at the public API.
+#pragma once
+
+#include <kerf/error.hpp>
+#include <new>
+#include <utility>
+
+namespace kerf {
+
+/// Calls `work` and returns what it returns; a `std::bad_alloc` becomes `Error::out_of_memory`.
+template <class Work>
+decltype(auto) report_out_of_memory(Work&& work) {
+  try {
+    return std::forward<Work>(work)();
+  } catch (const std::bad_alloc&) {
+    throw Error(Error::out_of_memory, "not enough memory");
+  }
+}
+
+}  // namespace kerf

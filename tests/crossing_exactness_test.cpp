@@ -1,0 +1,133 @@
+// What `all_hits` and `intersect` find, against rational arithmetic.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "adversarial.hpp"
+#include "build_options.hpp"
+#include "exact_oracle.hpp"
+#include "query/line_crossing.hpp"
+
+namespace kerf {
+namespace {
+
+using namespace adversarial;
+using exact::Meeting;
+
+// The relation that `all_hits` promises: inside is crossed, outside is not; on the boundary either may be.
+void expect_exact(const Soup& soup, const Ray& ray, const std::vector<Hit>& hits) {
+  std::map<std::uint32_t, Hit> found;
+  for (const Hit& hit : hits) ASSERT_TRUE(found.emplace(hit.primitive, hit).second) << "reported twice";
+  for (std::uint32_t i = 0; i < soup.triangles.size(); ++i) {
+    const exact::Crossing truth = exact::cross_line(ray.origin, ray.direction, soup.triangles[i]);
+    const bool in_range = truth.meeting != Meeting::none && truth.t >= exact::number(ray.t_min) &&
+                          (!std::isfinite(ray.t_max) || truth.t <= exact::number(ray.t_max));
+    const auto hit = found.find(i);
+    if (truth.meeting == Meeting::interior && in_range) {
+      ASSERT_NE(hit, found.end()) << "missed triangle " << i;
+    }
+    if (!in_range) {
+      ASSERT_EQ(hit, found.end()) << "reported triangle " << i;
+    }
+    if (hit == found.end()) continue;
+    EXPECT_NEAR(hit->second.t, truth.t.convert_to<double>(), 1.5e-7 * std::abs(truth.t.convert_to<double>()));
+    EXPECT_NEAR(hit->second.u, truth.u.convert_to<double>(), 1e-6);
+    EXPECT_NEAR(hit->second.v, truth.v.convert_to<double>(), 1e-6);
+  }
+}
+
+std::vector<Hit> gather(const Bvh& bvh, const Ray& ray) {
+  std::vector<Hit> hits;
+  bvh.all_hits(ray, [&](const Hit& hit) { hits.push_back(hit); });
+  EXPECT_TRUE(std::is_sorted(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+    return a.t != b.t ? a.t < b.t : a.primitive < b.primitive;
+  }));
+  return hits;
+}
+
+TEST(AllHits, IsExactOnAGridWhereEverythingIsAligned) {
+  std::mt19937 random(1);
+  for (int round = 0; round < 20; ++round) {
+    const Soup triangles = soup(40, [&] { return grid_point(random, 3); });
+    const Bvh bvh = build(triangles.mesh(), spatial_splits_everywhere());
+    for (int i = 0; i < 100; ++i) {
+      Ray ray{.origin = grid_point(random, 4), .direction = grid_point(random, 3)};
+      if (ray.direction == Vec3f{}) continue;
+      if (i % 4 == 1) ray.t_max = 1.0f;
+      if (i % 4 == 2) ray.t_min = 0.5f;
+      ASSERT_NO_FATAL_FAILURE(expect_exact(triangles, ray, gather(bvh, ray)));
+    }
+  }
+}
+
+TEST(AllHits, IsExactAtAMillionthAndAMillionSizesDistance) {
+  std::mt19937 random(2);
+  for (const float distance : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f}) {
+    const Soup triangles = soup(40, [&] { return uniform_point(random, 1.0f); });
+    const Bvh bvh = build(triangles.mesh(), spatial_splits_everywhere());
+    for (int i = 0; i < 200; ++i) {
+      const Ray ray = aim(random, triangles.triangles[random() % 40], distance);
+      if (ray.direction == Vec3f{}) continue;
+      ASSERT_NO_FATAL_FAILURE(expect_exact(triangles, ray, gather(bvh, ray)));
+    }
+  }
+}
+
+TEST(AllHits, IsExactFarFromTheOriginAndAtExtremeScales) {
+  std::mt19937 random(3);
+  struct Place {
+    float offset, scale;
+  };
+  for (const auto [offset, scale] :
+       {Place{1e5f, 1.0f}, Place{1e7f, 4.0f}, Place{0.0f, 1e-30f}, Place{0.0f, 1e-42f}, Place{0.0f, 1e37f}}) {
+    const Soup triangles = soup(40, [&] {
+      return Vec3f{offset, -offset, offset} + uniform_point(random, scale);
+    });
+    const Bvh bvh = build(triangles.mesh(), spatial_splits_everywhere());
+    for (int i = 0; i < 200; ++i) {
+      const Ray ray = aim(random, triangles.triangles[random() % 40], 1.0f);
+      if (ray.direction == Vec3f{} || !is_finite(ray.direction) || !is_finite(ray.origin)) continue;
+      ASSERT_NO_FATAL_FAILURE(expect_exact(triangles, ray, gather(bvh, ray)));
+    }
+  }
+}
+
+TEST(AllHits, IsExactOnSliversOfAspectAHundredMillion) {
+  std::mt19937 random(4);
+  std::vector<Triangle> slivers;
+  while (slivers.size() < 60) {
+    const Vec3f a = uniform_point(random, 1.0f), b = uniform_point(random, 1.0f);
+    const Vec3f c = a + uniform(random, 0.0f, 1.0f) * (b - a) + uniform_point(random, 1e-8f);
+    if (!collinear(a, b, c)) slivers.push_back({a, b, c});
+  }
+  const Soup triangles(slivers);
+  const Bvh bvh = build(triangles.mesh(), spatial_splits_everywhere());
+  for (int i = 0; i < 600; ++i) {
+    const Ray ray = aim(random, triangles.triangles[random() % 60], 1.0f);
+    ASSERT_NO_FATAL_FAILURE(expect_exact(triangles, ray, gather(bvh, ray)));
+  }
+}
+
+// The half-open rule, stated for one edge: two triangles that face the same way, on both sides of an edge in
+// one plane, own each of its points once; so do all triangles of a fan their common vertex.
+TEST(AllHits, AFanOwnsItsHubOnce) {
+  std::mt19937 random(5);
+  for (int round = 0; round < 200; ++round) {
+    const Vec3f hub = grid_point(random, 2);
+    const Vec3f rim[] = {
+        hub + Vec3f{3, 0, grid_point(random, 2).z}, hub + Vec3f{0, 3, grid_point(random, 2).z},
+        hub + Vec3f{-3, 0, grid_point(random, 2).z}, hub + Vec3f{0, -3, grid_point(random, 2).z}};
+    const Vec3f direction{0, 0, -1};
+    for (const Vec3f at : {hub, 0.5f * (hub + rim[round % 4])}) {
+      int crossed = 0;
+      for (int i = 0; i < 4; ++i) {
+        crossed += cross_line(at + Vec3f{0, 0, 9}, direction, {hub, rim[i], rim[(i + 1) % 4]}).has_value();
+      }
+      EXPECT_EQ(crossed, 1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kerf
