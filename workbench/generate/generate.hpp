@@ -6,6 +6,10 @@
 
 namespace workbench {
 
+Scene generate_atrium(double detail);
+Scene generate_conference(double detail);
+Scene generate_hairball(double detail);
+Scene generate_city(double detail);
 Scene generate_terrain(double detail);
 Scene generate_sticks(double detail);
 
