@@ -7,6 +7,7 @@
 #include <span>
 
 #include <kerf/bvh.hpp>
+#include <kerf/export.hpp>
 #include <kerf/mesh.hpp>
 
 namespace kerf {
@@ -23,8 +24,8 @@ enum class Builder {
 struct BuildOptions {
   Builder builder = Builder::sbvh;
 
-  /// A spatial split is tried where the children of the best object split overlap by more than this part of the
-  /// root's surface area (Stich et al. 2009, section 4.5). 0 tries everywhere, 1 nowhere. Range: [0, 1].
+  /// A spatial split is tried where the children of the best object split overlap by more than this part of
+  /// the root's surface area (Stich et al. 2009, section 4.5). 0 tries everywhere, 1 nowhere. Range: [0, 1].
   float alpha = 1e-5f;
 
   /// At most this many references a triangle; the memory for them is taken before the build begins.
@@ -37,21 +38,22 @@ struct BuildOptions {
   /// Threads to use; 0 uses all there are. The tree is the same for any number.
   unsigned threads = 0;
 
-  /// For `esc` and `evh` only: about how many references splitting before the build may make; the threshold that
-  /// comes nearest without exceeding it is found by bisection. 0 stands for `max_reference_ratio` a triangle.
+  /// For `esc` and `evh` only: about how many references splitting before the build may make; the threshold
+  /// that comes nearest without exceeding it is found by bisection. 0 stands for `max_reference_ratio` a
+  /// triangle.
   std::size_t presplit_references = 0;
 
-  /// Called now and then, from any thread but never from two at once, with a fraction in [0, 1] that never falls.
-  /// Returning false cancels the build, which then throws `Error::cancelled`.
+  /// Called now and then, from any thread but never from two at once, with a fraction in [0, 1] that never
+  /// falls. Returning false cancels the build, which then throws `Error::cancelled`.
   std::function<bool(float)> progress = {};
 };
 
-/// Builds the hierarchy of one mesh. Degenerate triangles (no area) are counted and left out; so is nothing else.
-/// Throws `Error`: `invalid_argument`, `non_finite_vertex`, `index_out_of_range`, `too_large`, `out_of_memory`,
-/// `cancelled`. The mesh may be freed as soon as this returns.
-Bvh build(const TriangleMesh& mesh, const BuildOptions& options = {});
+/// Builds the hierarchy of one mesh. Degenerate triangles (no area) are counted and left out; so is nothing
+/// else. Throws `Error`: `invalid_argument`, `non_finite_vertex`, `index_out_of_range`, `too_large`,
+/// `out_of_memory`, `cancelled`. The mesh may be freed as soon as this returns.
+KERF_API Bvh build(const TriangleMesh& mesh, const BuildOptions& options = {});
 
 /// Builds one hierarchy over several meshes; hits say which mesh by its place in `meshes`.
-Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options = {});
+KERF_API Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options = {});
 
 }  // namespace kerf

@@ -4,15 +4,17 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <kerf/query.hpp>
-#include <kerf/ray.hpp>
-#include <kerf/vec.hpp>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <type_traits>
 #include <vector>
+
+#include <kerf/export.hpp>
+#include <kerf/query.hpp>
+#include <kerf/ray.hpp>
+#include <kerf/vec.hpp>
 
 namespace kerf {
 
@@ -29,7 +31,7 @@ struct BvhStatistics {
 
 /// A split bounding volume hierarchy, ready to trace. A handle: copies share one structure, which never
 /// changes, so every call may be made from any number of threads at once.
-class Bvh {
+class KERF_API Bvh {
  public:
   /// A hierarchy of nothing, which every ray misses.
   Bvh();

@@ -5,12 +5,15 @@
 #include <exception>
 #include <string_view>
 
+#include <kerf/export.hpp>
+
 namespace kerf {
 
 /// What went wrong, as a code to branch on and a sentence to show.
 ///
-/// The sentence is kept in the object itself, so that an error can be made and copied when memory has run out.
-class Error : public std::exception {
+/// The sentence is kept in the object itself, so that an error can be made and copied when memory has run
+/// out.
+class KERF_API Error : public std::exception {
  public:
   enum Code {
     invalid_argument,    ///< an option or a span that cannot be right
@@ -25,7 +28,8 @@ class Error : public std::exception {
 
   /// Keeps the first 511 bytes of `sentence`.
   Error(Code code, std::string_view sentence) noexcept : code_(code) {
-    const std::size_t length = sentence.size() < sizeof(sentence_) - 1 ? sentence.size() : sizeof(sentence_) - 1;
+    const std::size_t length =
+        sentence.size() < sizeof(sentence_) - 1 ? sentence.size() : sizeof(sentence_) - 1;
     for (std::size_t i = 0; i < length; ++i) sentence_[i] = sentence[i];
     sentence_[length] = '\0';
   }

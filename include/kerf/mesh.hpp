@@ -12,11 +12,12 @@
 
 namespace kerf {
 
-/// A view of triples of `Scalar` (three floats, three indices) at a constant distance in bytes. Nothing is copied.
+/// A view of triples of `Scalar` (three floats, three indices) at a constant distance in bytes. Nothing is
+/// copied.
 ///
 /// Made from any contiguous range: of scalars (`std::vector<float>`, three after three), or of a struct or an
-/// array whose first three scalars are the triple (`std::array<float, 3>`, `glm::vec3`, a vertex with a normal
-/// behind its position).
+/// array whose first three scalars are the triple (`std::array<float, 3>`, `glm::vec3`, a vertex with a
+/// normal behind its position).
 template <class Scalar>
 class TripleView {
  public:
@@ -31,16 +32,17 @@ class TripleView {
       : data_(static_cast<const std::byte*>(data)), count_(count), stride_(stride) {}
 
   template <std::ranges::contiguous_range Range>
-    requires(!std::is_same_v<std::remove_cvref_t<Range>, TripleView>)
-  TripleView(Range&& range)  // NOLINT: implicit, as for std::span
+  requires(!std::is_same_v<std::remove_cvref_t<Range>, TripleView>)
+      TripleView(Range&& range)  // NOLINT: implicit, as for std::span
       : data_(reinterpret_cast<const std::byte*>(std::ranges::data(range))) {
     using Value = std::ranges::range_value_t<Range>;
     if constexpr (std::is_arithmetic_v<Value>) {
-      static_assert(std::is_same_v<std::make_unsigned_t<std::conditional_t<std::is_integral_v<Value>, Value, int>>,
-                                   std::conditional_t<std::is_integral_v<Scalar>, Scalar, unsigned>> &&
-                        std::is_floating_point_v<Value> == std::is_floating_point_v<Scalar> &&
-                        sizeof(Value) == sizeof(Scalar),
-                    "a flat range must hold scalars of the view's own type");
+      static_assert(
+          std::is_same_v<std::make_unsigned_t<std::conditional_t<std::is_integral_v<Value>, Value, int>>,
+                         std::conditional_t<std::is_integral_v<Scalar>, Scalar, unsigned>> &&
+              std::is_floating_point_v<Value> == std::is_floating_point_v<Scalar> &&
+              sizeof(Value) == sizeof(Scalar),
+          "a flat range must hold scalars of the view's own type");
       count_ = std::ranges::size(range) / 3;
       stride_ = 3 * sizeof(Scalar);
     } else {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+
 #include <kerf/ray.hpp>
 #include <kerf/vec.hpp>
 

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <cmath>
-#include <kerf/ray.hpp>
 #include <utility>
 
+#include <kerf/ray.hpp>
+
+#include "math/triangle.hpp"
 #include "math/vec3f.hpp"
-#include "tree/geometry.hpp"
 
 namespace kerf {
 
