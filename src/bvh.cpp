@@ -3,7 +3,8 @@
 #include <kerf/kerf.hpp>
 
 #include "build/build_tree.hpp"
-#include "kernel/binary_traversal.hpp"
+#include "kernel/kernels.hpp"
+#include "kernel/wide_layout.hpp"
 #include "stages.hpp"
 #include "structure.hpp"
 
@@ -26,11 +27,12 @@ Bvh::Bvh() : structure_(std::make_shared<Structure>()) {}
 Bvh::Bvh(std::shared_ptr<const Structure> structure) : structure_(std::move(structure)) {}
 
 std::optional<Hit> Bvh::intersect(const Ray& ray) const {
-  return named(*structure_, trace_closest(*structure_, ray, nullptr));
+  if (structure_->wide.empty()) return std::nullopt;
+  return named(*structure_, structure_->kernels->closest(structure_->wide, ray));
 }
 
 bool Bvh::occluded(const Ray& ray) const {
-  return trace_any(*structure_, ray, nullptr);
+  return !structure_->wide.empty() && structure_->kernels->any(structure_->wide, ray);
 }
 
 void Bvh::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
@@ -45,7 +47,7 @@ void Bvh::occluded(std::span<const Ray> rays, std::span<std::uint8_t> results) c
 }
 
 Box3f Bvh::bounds() const {
-  return structure_->tree.empty() ? Box3f{} : structure_->tree.nodes[0].bounds;
+  return structure_->wide.bounds;
 }
 
 const BvhStatistics& Bvh::statistics() const {
@@ -53,27 +55,28 @@ const BvhStatistics& Bvh::statistics() const {
 }
 
 std::optional<Hit> intersect_counted(const Bvh& bvh, const Ray& ray, TraversalCounters& counters) {
-  return named(bvh.structure(), trace_closest(bvh.structure(), ray, &counters));
+  const Bvh::Structure& structure = bvh.structure();
+  if (structure.wide.empty()) return std::nullopt;
+  return named(structure, structure.kernels->closest_counted(structure.wide, ray, counters));
 }
 
 bool occluded_counted(const Bvh& bvh, const Ray& ray, TraversalCounters& counters) {
-  return trace_any(bvh.structure(), ray, &counters);
+  const Bvh::Structure& structure = bvh.structure();
+  return !structure.wide.empty() && structure.kernels->any_counted(structure.wide, ray, counters);
 }
 
 Bvh make_bvh(const Geometry& geometry, BinaryTree tree) {
   auto structure = std::make_shared<Bvh::Structure>();
-  structure->triangles.reserve(tree.references.size());
-  for (const std::uint32_t id : tree.references) structure->triangles.push_back(geometry.triangle(id));
+  structure->wide = make_wide_bvh(geometry, tree);
   structure->first_triangles.assign(geometry.first_triangles().begin(), geometry.first_triangles().end());
+  structure->kernels = &choose_kernels();
   BvhStatistics& statistics = structure->statistics;
   statistics.triangles = geometry.triangle_count();
   statistics.degenerate_triangles = tree.degenerate_triangles;
-  statistics.references = tree.references.size();
-  statistics.nodes = tree.nodes.size();
-  statistics.bytes = tree.nodes.size() * sizeof(BinaryNode) +
-                     tree.references.size() * (sizeof(std::uint32_t) + sizeof(Triangle));
+  statistics.references = structure->wide.references();
+  statistics.nodes = structure->wide.nodes.size();
+  statistics.bytes = structure->wide.nodes.size_bytes() + structure->wide.leaves.size_bytes();
   statistics.build_peak_bytes = std::max(tree.build_peak_bytes, statistics.bytes);
-  structure->tree = std::move(tree);
   return Bvh(std::move(structure));
 }
 

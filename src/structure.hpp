@@ -1,20 +1,21 @@
-// What a `Bvh` holds: the tree that is traced, and a copy of its triangles.
+// What a `Bvh` holds.
 #pragma once
 
+#include <kerf/bvh.hpp>
 #include <vector>
 
-#include <kerf/bvh.hpp>
-
-#include "tree/binary_tree.hpp"
-#include "tree/geometry.hpp"
+#include "kernel/wide_bvh.hpp"
 
 namespace kerf {
 
+struct Kernels;
+
 struct Bvh::Structure {
-  BinaryTree tree;
-  std::vector<Triangle> triangles;             // triangles[i] is that of tree.references[i]
+  WideBvh wide;
   std::vector<std::uint32_t> first_triangles;  // of each mesh, see Geometry
   BvhStatistics statistics;
+  const Kernels* kernels =
+      nullptr;  // those of this machine's instruction set; null for a hierarchy of nothing
 };
 
 }  // namespace kerf

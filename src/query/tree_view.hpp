@@ -11,29 +11,30 @@ namespace kerf {
 
 class TreeView {
  public:
-  using Node = std::uint32_t;
+  using Node = ChildLink;
 
   explicit TreeView(const Bvh::Structure& structure) : structure_(structure) {}
 
-  bool empty() const { return structure_.tree.empty(); }
-  Node root() const { return 0; }
-  Box3f bounds() const { return empty() ? Box3f{} : structure_.tree.nodes[0].bounds; }
-  bool is_leaf(Node node) const { return structure_.tree.nodes[node].is_leaf(); }
+  bool empty() const { return structure_.wide.empty(); }
+  Node root() const { return ChildLink::node(0); }
+  Box3f bounds() const { return structure_.wide.bounds; }
+  bool is_leaf(Node node) const { return node.is_leaf(); }
 
   /// Calls `visit(child, box)` for each child of an inner node.
   template <class Visit>
   void for_each_child(Node node, Visit&& visit) const {
-    const BinaryNode& inner = structure_.tree.nodes[node];
-    visit(inner.left(), structure_.tree.nodes[inner.left()].bounds);
-    visit(inner.right(), structure_.tree.nodes[inner.right()].bounds);
+    const WideNode& inner = structure_.wide.nodes[node.node()];
+    for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
+      const Box3f box = child_box(inner, slot);
+      if (!box.empty()) visit(inner.children[slot], box);
+    }
   }
 
   /// Calls `visit(id, triangle)` for each triangle of a leaf; `id` numbers the triangles of all meshes.
   template <class Visit>
-  void for_each_triangle(Node node, Visit&& visit) const {
-    const BinaryNode& leaf = structure_.tree.nodes[node];
-    for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
-      visit(structure_.tree.references[i], structure_.triangles[i]);
+  void for_each_triangle(Node leaf, Visit&& visit) const {
+    for (std::uint32_t i = 0; i < leaf.count(); ++i) {
+      visit(triangle_id(structure_.wide, leaf, i), triangle_in(structure_.wide, leaf, i));
     }
   }
 

@@ -1,0 +1,27 @@
+// The traversals, compiled once for each instruction set.
+#pragma once
+
+#include <cstddef>
+#include <kerf/ray.hpp>
+
+#include "kernel/counters.hpp"
+#include "kernel/wide_bvh.hpp"
+
+namespace kerf {
+
+/// All of them return the same hits; a hit's `primitive` is a triangle's number in the `Geometry`, its `mesh`
+/// unset. The hierarchy must not be empty.
+struct Kernels {
+  const char* target;  ///< Highway's name of the instruction set
+
+  Hit (*closest)(const WideBvh& bvh, const Ray& ray);
+  bool (*any)(const WideBvh& bvh, const Ray& ray);
+  Hit (*closest_counted)(const WideBvh& bvh, const Ray& ray, TraversalCounters& counters);
+  bool (*any_counted)(const WideBvh& bvh, const Ray& ray, TraversalCounters& counters);
+};
+
+/// Those for the best instruction set of this machine, or for the one that the environment variable
+/// KERF_TARGET names (AVX3, AVX2, SSE4, SCALAR; for tests) if the machine has it.
+const Kernels& choose_kernels();
+
+}  // namespace kerf

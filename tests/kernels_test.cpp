@@ -1,0 +1,65 @@
+#include "kernel/kernels.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <kerf/kerf.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "random_scenes.hpp"
+#include "stages.hpp"
+#include "structure.hpp"
+
+namespace {
+
+// Builds with the kernels of `target`, as KERF_TARGET asks for.
+kerf::Bvh build_for(const char* target, const kerf::TriangleMesh& mesh) {
+  setenv("KERF_TARGET", target, 1);
+  kerf::Bvh bvh = kerf::build(mesh);
+  unsetenv("KERF_TARGET");
+  return bvh;
+}
+
+}  // namespace
+
+TEST(Kernels, EveryInstructionSetGivesTheSameHits) {
+  std::mt19937 random(9);
+  const TriangleSoup soup = random_soup(random, 2000, 0.3f, 0.2f);
+  const kerf::Bvh best = kerf::build(soup.mesh());
+  std::vector<kerf::Ray> rays;
+  for (int i = 0; i < 5000; ++i) {
+    rays.push_back({.origin = random_point(random), .direction = random_point(random)});
+    if (i % 3 == 0) rays.back().t_max = 0.3f;
+  }
+  for (const char* target : {"AVX3", "AVX2", "SSE4", "SCALAR"}) {
+    const kerf::Bvh bvh = build_for(target, soup.mesh());
+    for (const kerf::Ray& ray : rays) {
+      ASSERT_EQ(bvh.intersect(ray), best.intersect(ray)) << bvh.structure().kernels->target;
+      ASSERT_EQ(bvh.occluded(ray), best.occluded(ray)) << bvh.structure().kernels->target;
+    }
+  }
+}
+
+TEST(Kernels, TheScalarOnesRunEverywhere) {
+  std::mt19937 random(10);
+  const TriangleSoup soup = random_soup(random, 10, 0.3f, 0.2f);
+  EXPECT_STREQ(build_for("SCALAR", soup.mesh()).structure().kernels->target, "SCALAR");
+  EXPECT_STREQ(build_for("none such", soup.mesh()).structure().kernels->target,
+               kerf::build(soup.mesh()).structure().kernels->target);
+}
+
+TEST(Kernels, CountingChangesNoHit) {
+  std::mt19937 random(11);
+  const TriangleSoup soup = random_soup(random, 500, 0.3f, 0.2f);
+  const kerf::Bvh bvh = kerf::build(soup.mesh());
+  kerf::TraversalCounters counters;
+  for (int i = 0; i < 1000; ++i) {
+    const kerf::Ray ray{.origin = random_point(random), .direction = random_point(random)};
+    ASSERT_EQ(kerf::intersect_counted(bvh, ray, counters), bvh.intersect(ray));
+    ASSERT_EQ(kerf::occluded_counted(bvh, ray, counters), bvh.occluded(ray));
+  }
+  EXPECT_GT(counters.steps, 2000u);
+  EXPECT_GE(counters.triangle_tests, counters.leaves);
+}
