@@ -1,6 +1,55 @@
+// kerf, the command-line tool. Exit status: 0; 1 with one line on standard error; 2 for bad usage.
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <kerf/error.hpp>
+#include <string>
+
+#include "commands.hpp"
+
+namespace {
+
+constexpr int failure = 1;
+constexpr int bad_usage = 2;
+
+std::string join(int argc, char** argv) {
+  std::string line = "kerf";
+  for (int i = 1; i < argc; ++i) line += std::string(" ") + argv[i];
+  return line;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"kerf: split bounding volume hierarchies over triangle meshes", "kerf"};
+  app.set_version_flag("--version", "kerf " KERF_VERSION);
+  app.require_subcommand(1);
+  kerf_tool::add_scenes_command(app);
+  kerf_tool::add_info_command(app);
+  kerf_tool::add_compare_command(app, join(argc, argv));
+  kerf_tool::add_sweep_command(app, join(argc, argv));
+  kerf_tool::add_render_command(app);
+  try {
+    app.parse(argc, argv);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
+    fmt::print(stderr, "kerf: {}; kerf --help says more\n", error.what());
+    return bad_usage;
+  }
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"kerf: split bounding volume hierarchies over triangle meshes", "kerf"};
-  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(argc, argv);
+  } catch (const kerf::Error& error) {
+    fmt::print(stderr, "kerf: {}\n", error.what());
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "kerf: not enough memory\n");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "kerf: {}\n", error.what());
+  }
+  return failure;
 }

@@ -1,0 +1,110 @@
+#include "arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <kerf/error.hpp>
+#include <string_view>
+
+#include "workbench/compare.hpp"
+#include "workbench/scene_spec.hpp"
+
+namespace kerf_tool {
+namespace {
+
+using kerf::Builder;
+
+constexpr Builder all_builders[] = {Builder::bvh, Builder::sbvh, Builder::esc, Builder::evh};
+constexpr unsigned largest_picture_side = 16384;
+
+[[noreturn]] void refuse(const std::string& option, const std::string& sentence) {
+  throw CLI::ValidationError(option, sentence);
+}
+
+// All of `text`, or nothing.
+template <class Number>
+bool read(std::string_view text, Number& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
+    end = text.find(separator, begin);
+    parts.push_back(text.substr(begin, end == std::string::npos ? end : end - begin));
+  }
+  return parts;
+}
+
+}  // namespace
+
+Builder parse_builder(const std::string& option, const std::string& text) {
+  for (const Builder builder : all_builders) {
+    if (text == workbench::name(builder)) return builder;
+  }
+  refuse(option, fmt::format("there is no builder '{}'; there are bvh, sbvh, esc and evh", text));
+}
+
+std::vector<Builder> parse_builders(const std::string& option, const std::string& text) {
+  std::vector<Builder> builders;
+  for (const std::string& part : split(text, ',')) {
+    const Builder builder = parse_builder(option, part);
+    if (std::find(builders.begin(), builders.end(), builder) != builders.end()) {
+      refuse(option, fmt::format("{} is named twice", part));
+    }
+    builders.push_back(builder);
+  }
+  return builders;
+}
+
+float parse_alpha(const std::string& option, const std::string& text) {
+  float alpha = 0.0f;
+  if (!read(text, alpha) || !(alpha >= 0.0f && alpha <= 1.0f)) {
+    refuse(option, fmt::format("must be a number from 0 to 1, not '{}'", text));
+  }
+  return alpha;
+}
+
+std::vector<float> parse_alphas(const std::string& option, const std::string& text) {
+  std::vector<float> alphas;
+  for (const std::string& part : split(text, ',')) alphas.push_back(parse_alpha(option, part));
+  return alphas;
+}
+
+unsigned parse_whole(const std::string& option, const std::string& text, unsigned least, unsigned most) {
+  unsigned value = 0;
+  if (!read(text, value) || value < least || value > most) {
+    refuse(option, fmt::format("must be a whole number from {} to {}, not '{}'", least, most, text));
+  }
+  return value;
+}
+
+PictureSize parse_size(const std::string& option, const std::string& text) {
+  const std::vector<std::string> sides = split(text, 'x');
+  unsigned width = 0, height = 0;
+  if (sides.size() != 2 || !read(sides[0], width) || !read(sides[1], height) || width < 1 || height < 1 ||
+      width > largest_picture_side || height > largest_picture_side) {
+    refuse(option,
+           fmt::format("must be WIDTHxHEIGHT, each from 1 to {}, not '{}'", largest_picture_side, text));
+  }
+  return {width, height};
+}
+
+std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs) {
+  for (const std::string& spec : specs) {
+    try {
+      workbench::parse_scene_spec(spec);
+    } catch (const kerf::Error& error) {
+      refuse("SCENE", error.what());
+    }
+  }
+  std::vector<workbench::Scene> scenes;
+  for (const std::string& spec : specs) scenes.push_back(workbench::load_scene(spec));
+  return scenes;
+}
+
+}  // namespace kerf_tool

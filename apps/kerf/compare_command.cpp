@@ -1,0 +1,54 @@
+#include <memory>
+
+#include "arguments.hpp"
+#include "commands.hpp"
+#include "measure.hpp"
+#include "workbench/compare_table.hpp"
+
+namespace kerf_tool {
+namespace {
+
+struct Options {
+  std::vector<std::string> scenes;
+  std::string builders = "bvh,sbvh,esc,evh";
+  std::string alpha = "1e-5";
+  std::string threads = "0";
+  std::string json;
+  std::string report;
+};
+
+void run(const Options& options, const std::string& command_line) {
+  Measurement measurement{.specs = options.scenes,
+                          .contenders = {},
+                          .threads = parse_whole("--threads", options.threads, 0, most_threads),
+                          .json = options.json,
+                          .report = options.report,
+                          .command_line = command_line,
+                          .format_table = workbench::format_comparison};
+  const float alpha = parse_alpha("--alpha", options.alpha);
+  for (const kerf::Builder builder : parse_builders("--builders", options.builders)) {
+    measurement.contenders.push_back(
+        {.name = std::string(workbench::name(builder)), .options = {.builder = builder, .alpha = alpha}});
+  }
+  measure_and_write(measurement);
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& app, const std::string& command_line) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("compare", "Build with every builder, trace the same rays, compare");
+  command->add_option("SCENE", options->scenes, scene_help)->required();
+  command->add_option("--builders", options->builders, "Which builders, separated by commas")
+      ->capture_default_str();
+  command->add_option("--alpha", options->alpha, "Least overlap for which a spatial split is tried, 0 to 1")
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "Threads that build and trace; 0 is all there are")
+      ->capture_default_str();
+  command->add_option("--json", options->json,
+                      "Write all figures as JSON to this file, - is standard output");
+  command->add_option("--report", options->report, "Write index.html with tables, charts and pictures here");
+  command->callback([options, command_line] { run(*options, command_line); });
+}
+
+}  // namespace kerf_tool

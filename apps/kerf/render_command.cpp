@@ -1,0 +1,86 @@
+#include <fmt/format.h>
+
+#include <kerf/kerf.hpp>
+#include <memory>
+
+#include "arguments.hpp"
+#include "commands.hpp"
+#include "output.hpp"
+#include "workbench/image.hpp"
+#include "workbench/progress.hpp"
+#include "workbench/render.hpp"
+#include "workbench/render_heat.hpp"
+
+namespace kerf_tool {
+namespace {
+
+using namespace workbench;
+
+struct Options {
+  std::string scene;
+  std::string output;
+  std::string mode = "shaded";
+  std::string builder = "sbvh";
+  std::string view = "0";
+  std::string size = "1280x800";
+};
+
+enum class Mode { shaded, ao, steps };
+
+Mode parse_mode(const std::string& text) {
+  if (text == "shaded") return Mode::shaded;
+  if (text == "ao") return Mode::ao;
+  if (text == "steps") return Mode::steps;
+  throw CLI::ValidationError("--mode",
+                             fmt::format("there is no mode '{}'; there are shaded, ao and steps", text));
+}
+
+Image render(const Scene& scene, const kerf::Bvh& bvh, Mode mode, const Viewpoint& viewpoint,
+             PictureSize size) {
+  ProgressBar bar;
+  const RenderOptions options{.width = size.width,
+                              .height = size.height,
+                              .samples = 3,
+                              .ambient_samples = mode == Mode::ao ? 24u : 8u,
+                              .progress = [&](double part) { bar.show(part, "render"); }};
+  if (mode == Mode::shaded) return render_shaded(scene, bvh, viewpoint, options);
+  if (mode == Mode::ao) return render_ambient_occlusion(scene, bvh, viewpoint, options);
+  const HeatMap map = trace_heat(bvh, viewpoint, size.width, size.height);
+  return colour(map, common_scale({&map, 1}));
+}
+
+void run(const Options& options) {
+  const Mode mode = parse_mode(options.mode);
+  const kerf::Builder builder = parse_builder("--builder", options.builder);
+  const unsigned view = parse_whole("--view", options.view, 0, 999);
+  const PictureSize size = parse_size("--size", options.size);
+  if (options.output != standard_output) require_writable(options.output);
+  const Scene scene = std::move(load_scenes({options.scene}).front());
+  if (view >= scene.viewpoints.size()) {
+    throw CLI::ValidationError("--view", fmt::format("{} has the viewpoints 0 to {}, not {}", scene.name,
+                                                     scene.viewpoints.size() - 1, view));
+  }
+  const Image image = name_errors(scene, [&] {
+    return render(scene, kerf::build(scene.mesh(), {.builder = builder}), mode, scene.viewpoints[view], size);
+  });
+  const std::vector<std::uint8_t> png = encode_png(image);
+  write_output(options.output, {reinterpret_cast<const char*>(png.data()), png.size()});
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("render", "Make a picture of a scene");
+  command->add_option("SCENE", options->scene, scene_help)->required();
+  command->add_option("-o,--output", options->output, "The PNG file to write, - is standard output")
+      ->required();
+  command->add_option("--mode", options->mode, "shaded, ao (ambient occlusion) or steps (the heat view)")
+      ->capture_default_str();
+  command->add_option("--builder", options->builder, "bvh, sbvh, esc or evh")->capture_default_str();
+  command->add_option("--view", options->view, "Number of the viewpoint, from 0")->capture_default_str();
+  command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace kerf_tool

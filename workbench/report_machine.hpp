@@ -1,0 +1,17 @@
+// Where measurements were made.
+#pragma once
+
+#include <string>
+
+namespace workbench {
+
+struct Machine {
+  std::string processor;  ///< as the operating system calls it
+  unsigned threads = 0;   ///< that the operating system offers
+  std::string system;     ///< the distribution and the kernel
+  std::string compiler;   ///< that this program was compiled with
+};
+
+Machine this_machine();
+
+}  // namespace workbench
