@@ -92,7 +92,7 @@ void add_cornice(MeshMaker& maker, float y, float height, float depth, const Fin
     maker.add_quad(side.at(0, y + height, 0), side.at(side.length(), y + height, 0),
                    side.at(side.length() - 0.3f - depth, y + height, -0.3f - depth),
                    side.at(0.3f + depth, y + height, -0.3f - depth));
-    const std::uint32_t dentils = side.bays * std::min(fine(10, 1), 10u);
+    const std::uint32_t dentils = static_cast<std::uint32_t>(side.bays) * std::min(fine(10, 1), 10u);
     const float width = side.length() / static_cast<float>(dentils);
     for (std::uint32_t i = 0; i < dentils; ++i) {
       const float a = (static_cast<float>(i) + 0.3f) * width;

@@ -62,8 +62,8 @@ Vec3f add_building(MeshMaker& maker, const Vec3f& foot, float central, RandomNum
   const double turns = random.uniform() < 0.25f ? static_cast<double>(random.uniform()) : 0.0;
   const float width = random.between(13, 24), depth = random.between(13, 24);
   constexpr float storey = 3.6f, cellar = 20.0f;
-  const auto storeys =
-      static_cast<float>(3 + random.below(5)) + std::floor(22.0f * central * random.uniform());
+  auto storeys = static_cast<float>(3 + random.below(5));
+  storeys += std::floor(22.0f * central * random.uniform());
   Block block(foot, width, depth, turns);
   block.add_slab(maker, -cellar, storeys * storey, 0.0f);
   for (float i = 1; i <= storeys; ++i) block.add_slab(maker, i * storey - 0.35f, i * storey, 0.35f);
@@ -75,7 +75,8 @@ Vec3f add_building(MeshMaker& maker, const Vec3f& foot, float central, RandomNum
   const Vec3f peak = block.at(0.3f, roof, -0.2f);
   Block(block.at(0.3f, roof, -0.2f), 0.4f * width, 0.35f * depth, turns).add_slab(maker, 0, 3.0f, 0.0f);
   for (int i = 0; i < 3; ++i) {  // antennas
-    const Vec3f mast = block.at(random.between(-0.8f, 0.8f), roof, random.between(-0.8f, 0.8f));
+    const float across = random.between(-0.8f, 0.8f), along = random.between(-0.8f, 0.8f);
+    const Vec3f mast = block.at(across, roof, along);
     maker.add_bar(
         mast, mast + Vec3f{random.between(-0.6f, 0.6f), random.between(5, 14), random.between(-0.6f, 0.6f)},
         0.08f, 4);

@@ -96,7 +96,8 @@ void add_table(MeshMaker& maker, const Place& place, float table_length, RandomN
   for (int i = 0; i < chairs; ++i) {
     const float a = -half + table_length * (static_cast<float>(i) + 0.5f) / static_cast<float>(chairs);
     Place chair = place;
-    chair.origin = place.at(a + random.between(-0.06f, 0.06f), 0, 0.75f + random.between(-0.06f, 0.12f));
+    const float beside = random.between(-0.06f, 0.06f), behind = random.between(-0.06f, 0.12f);
+    chair.origin = place.at(a + beside, 0, 0.75f + behind);
     const auto [sine, cosine] = sine_cosine(random.between(-0.08f, 0.08f));
     chair.x = cosine * place.x - sine * place.z;
     chair.z = sine * place.x + cosine * place.z;

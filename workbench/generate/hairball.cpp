@@ -1,10 +1,9 @@
 // Long thin strands that curl out of a ball, every one in the way of every other.
 #include <cmath>
 
-#include "workbench/generate/angles.hpp"
 #include "workbench/generate/generate.hpp"
 #include "workbench/generate/mesh_maker.hpp"
-#include "workbench/generate/random.hpp"
+#include "workbench/generate/random_direction.hpp"
 
 namespace workbench {
 namespace {
@@ -14,12 +13,6 @@ using namespace kerf;
 constexpr double strands = 1800.0;  // at detail 1
 constexpr std::uint32_t segments = 24, tube_sides = 3;
 constexpr float core_radius = 1.0f;
-
-Vec3f random_direction(RandomNumbers& random) {
-  const float y = random.between(-1.0f, 1.0f), r = std::sqrt(1.0f - y * y);
-  const auto [sine, cosine] = sine_cosine(random.uniform());
-  return {r * cosine, y, r * sine};
-}
 
 // A strand leaves the core at any point, steadily turns about an axis of its own, and is drawn back to the
 // ball.

@@ -3,9 +3,10 @@
 
 #include <array>
 #include <cstdint>
-#include <kerf/vec.hpp>
 #include <span>
 #include <vector>
+
+#include <kerf/vec.hpp>
 
 #include "math/vec3f.hpp"
 

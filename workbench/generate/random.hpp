@@ -13,7 +13,8 @@ constexpr std::uint64_t scramble(std::uint64_t x) {
   return x ^ x >> 31;
 }
 
-/// SplitMix64. Streams of different seeds have nothing to do with each other.
+/// SplitMix64. Streams of different seeds have nothing to do with each other. Draw at most one number in a
+/// full expression (braces keep their order, arguments and operands do not): compilers differ.
 class RandomNumbers {
  public:
   constexpr explicit RandomNumbers(std::uint64_t seed) : state_(scramble(seed + step)) {}

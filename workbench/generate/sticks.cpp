@@ -1,10 +1,9 @@
 // Random long thin triangles in a ball: boxes fit them as badly as anything can.
 #include <cmath>
 
-#include "workbench/generate/angles.hpp"
 #include "workbench/generate/generate.hpp"
 #include "workbench/generate/mesh_maker.hpp"
-#include "workbench/generate/random.hpp"
+#include "workbench/generate/random_direction.hpp"
 
 namespace workbench {
 namespace {
@@ -13,12 +12,6 @@ using namespace kerf;
 
 constexpr double count = 60'000.0;  // at detail 1
 constexpr float ball_radius = 10.0f;
-
-Vec3f random_direction(RandomNumbers& random) {
-  const float y = random.between(-1.0f, 1.0f), r = std::sqrt(1.0f - y * y);
-  const auto [sine, cosine] = sine_cosine(random.uniform());
-  return {r * cosine, y, r * sine};
-}
 
 Vec3f random_place(RandomNumbers& random) {
   for (;;) {

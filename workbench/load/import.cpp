@@ -1,5 +1,6 @@
 #include "workbench/load/import.hpp"
 
+#include <assimp/BaseImporter.h>
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
@@ -12,6 +13,7 @@
 #include <exception>
 #include <kerf/error.hpp>
 #include <limits>
+#include <set>
 
 namespace workbench {
 namespace {
@@ -42,8 +44,10 @@ void append_mesh(Scene& scene, const aiMesh& mesh, const aiMatrix4x4& transform)
     throw Error(Error::too_large, fmt::format("{}: has 2^32 vertices or more", scene.name));
   }
   const auto first = static_cast<std::uint32_t>(scene.vertices.size());
+  const bool stays =
+      transform.IsIdentity();  // and is not rounded, nor an infinity turned into something else
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-    const aiVector3D p = transform * mesh.mVertices[i];
+    const aiVector3D p = stays ? mesh.mVertices[i] : transform * mesh.mVertices[i];
     scene.vertices.push_back({p.x, p.y, p.z});
   }
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
@@ -62,6 +66,18 @@ void append_node(Scene& scene, const aiScene& imported, const aiNode& node, cons
     append_node(scene, imported, *node.mChildren[i], transform);
 }
 
+// Leaves only the reader of `format`: assimp would try others on what does not look like it.
+void keep_one_reader(Assimp::Importer& importer, const char* format) {
+  for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
+    Assimp::BaseImporter* reader = importer.GetImporter(i);
+    std::set<std::string> extensions;
+    reader->GetExtensionList(extensions);
+    if (extensions.contains(format)) continue;
+    importer.UnregisterLoader(reader);
+    delete reader;
+  }
+}
+
 }  // namespace
 
 Scene import(const std::filesystem::path& file, std::string_view format, const std::string& bytes) {
@@ -69,6 +85,7 @@ Scene import(const std::filesystem::path& file, std::string_view format, const s
   name.replace_extension(format);  // assimp chooses its reader by it
   Assimp::Importer importer;
   importer.SetIOHandler(new UnpackedFile(name.string(), bytes));  // which owns it from now on
+  keep_one_reader(importer, std::string(format.substr(1)).c_str());
   const aiScene* imported = importer.ReadFile(name.string(), aiProcess_Triangulate);
   if (imported == nullptr || imported->mRootNode == nullptr) {
     std::string cause = importer.GetErrorString();

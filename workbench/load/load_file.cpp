@@ -9,6 +9,7 @@
 #include <string>
 
 #include "math/vec3f.hpp"
+#include "workbench/load/checks.hpp"
 #include "workbench/load/import.hpp"
 #include "workbench/load/join_vertices.hpp"
 #include "workbench/load/read_bytes.hpp"
@@ -65,7 +66,13 @@ Scene load_file(const std::filesystem::path& file) {
     throw Error(Error::io, fmt::format("{}: no such file", file.string()));
   }
   const std::string format = format_of(file);
-  Scene scene = import(file, format, read_bytes(file));
+  std::string bytes = read_bytes(file);
+  if (format == ".obj") bytes = plain_obj(file, bytes);
+  if (format == ".ply") check_ply(file, bytes);
+  if (format == ".stl") check_stl(file, bytes);
+  if (format == ".gltf") check_gltf(file, bytes, {});
+  if (format == ".glb") check_glb(file, bytes);
+  Scene scene = import(file, format, bytes);
   if (scene.triangles.empty())
     throw Error(Error::bad_format, fmt::format("{}: has no triangles", file.string()));
   check_vertices(scene, file);
