@@ -14,5 +14,6 @@ void add_info_command(CLI::App& app);
 void add_compare_command(CLI::App& app, const std::string& command_line);
 void add_sweep_command(CLI::App& app, const std::string& command_line);
 void add_render_command(CLI::App& app);
+void add_bench_command(CLI::App& app);
 
 }  // namespace kerf_tool

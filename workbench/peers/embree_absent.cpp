@@ -1,0 +1,9 @@
+#include "workbench/peers/embree.hpp"
+
+namespace workbench {
+
+std::vector<Engine> embree_engines(unsigned) {
+  return {};
+}
+
+}  // namespace workbench

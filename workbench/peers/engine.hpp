@@ -1,0 +1,40 @@
+// What the benchmark knows of an engine: how to build with it, and how to trace what it built.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <kerf/mesh.hpp>
+#include <kerf/ray.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace workbench {
+
+/// One way of tracing a finished structure. The calls use the threads that the engine was made for.
+struct Tracer {
+  std::string engine;
+  std::string mode;  ///< "single" (ray by ray), "batch" (spans) or "packet"
+  std::function<void(std::span<const kerf::Ray>, std::span<kerf::Hit>)> intersect;
+  std::function<void(std::span<const kerf::Ray>, std::span<std::uint8_t>)> occluded;
+};
+
+/// Ready to trace. What it stands on lives as long as its tracers.
+struct Traceable {
+  std::size_t bytes = 0;             ///< of the finished structure
+  std::size_t build_peak_bytes = 0;  ///< the most that the build held at once, the structure included
+  std::vector<Tracer> tracers;
+};
+
+struct Engine {
+  std::string name;
+  std::string version;
+
+  /// From the caller's arrays to a structure ready to trace: this call is what is timed. 16 bytes may be read
+  /// from where the last vertex begins.
+  std::function<Traceable(const kerf::TriangleMesh&)> build;
+};
+
+}  // namespace workbench
