@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -94,6 +95,21 @@ class KERF_API Bvh {
   /// Every triangle that has a point in `box`, once, in the order of (mesh, primitive); decided exactly.
   /// Touching counts.
   std::vector<PrimitiveId> triangles_in(const Box3f& box) const;
+
+  /// Writes the hierarchy to a file, `docs/file-format.md` says how: the same bytes for the same meshes and
+  /// options, whatever the number of threads. The file is written beside `path` and takes its name when it is
+  /// complete and on the disk, so that a crash leaves the old file or the new one. Throws `Error::io` or
+  /// `out_of_memory`.
+  void save(const std::filesystem::path& path) const;
+
+  /// Reads a file that `save` wrote. Everything in it is checked before it is used: a damaged or forged file
+  /// is refused with `Error::bad_format`, which says what is wrong. Throws `Error::io` or `out_of_memory`,
+  /// too. Of the statistics, those that tell of the build itself are 0.
+  static Bvh load(const std::filesystem::path& path);
+
+  /// As `load`, but shows the file where it lies, in memory shared by all processes that do so. For files
+  /// that nobody changes or cuts short meanwhile: `load` has no such condition.
+  static Bvh map(const std::filesystem::path& path);
 
   /// A box around all triangles; empty for an empty hierarchy.
   Box3f bounds() const;

@@ -1,0 +1,51 @@
+// The first 120 bytes of a .kerf file; docs/file-format.md describes every one of them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include <kerf/vec.hpp>
+
+namespace kerf {
+
+struct FileHeader {
+  /// As PNG's: a byte that is not text, the name, then line ends that a transfer as text would change.
+  static constexpr std::array<unsigned char, 8> expected_magic{0x89, 'k', 'e', 'r', 'f', '\r', '\n', 0x1a};
+  static constexpr std::uint32_t native_byte_order = 0x01020304;
+  static constexpr std::uint32_t current_version = 1;
+
+  std::array<unsigned char, 8> magic = expected_magic;
+  std::uint32_t byte_order = native_byte_order;
+  std::uint32_t version = current_version;
+  std::uint64_t file_bytes = 0;
+  std::uint64_t triangles = 0;             ///< in the meshes, degenerate ones included
+  std::uint64_t degenerate_triangles = 0;  ///< of these, left out of the hierarchy
+  std::uint32_t meshes = 0;
+  std::uint32_t nodes = 0;
+  std::uint64_t leaf_words = 0;
+  std::uint32_t depth = 0;
+  std::uint32_t zero = 0;
+  Box3f bounds;
+  std::uint64_t meshes_checksum = 0;
+  std::uint64_t nodes_checksum = 0;
+  std::uint64_t leaves_checksum = 0;
+  std::uint64_t header_checksum = 0;  ///< of all bytes before it
+};
+static_assert(sizeof(FileHeader) == 120 && std::is_trivially_copyable_v<FileHeader>);
+
+/// Where the sections of a file lie: each begins at a multiple of 64, behind it zeros up to the next.
+struct FileLayout {
+  static constexpr std::uint64_t alignment = 64;
+
+  std::uint64_t meshes_at, meshes_bytes;
+  std::uint64_t nodes_at, nodes_bytes;
+  std::uint64_t leaves_at, leaves_bytes;
+  std::uint64_t file_bytes;
+
+  /// `header.leaf_words` must be below 2^60.
+  explicit FileLayout(const FileHeader& header);
+};
+
+}  // namespace kerf

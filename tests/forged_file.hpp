@@ -1,0 +1,66 @@
+// Damaged .kerf files with their checksums set right again, and the questions that a file must survive if it
+// loads.
+#pragma once
+
+#include <cstring>
+#include <memory>
+#include <span>
+#include <string>
+
+#include <kerf/kerf.hpp>
+
+#include "io/checksum.hpp"
+#include "io/file_image.hpp"
+#include "kernel/aligned_array.hpp"
+
+namespace forged {
+
+/// Makes all checksums of `image` right, as far as its sizes allow.
+inline void sign(std::span<std::byte> image) {
+  using namespace kerf;
+  FileHeader header;
+  if (image.size() < sizeof header) return;
+  std::memcpy(&header, image.data(), sizeof header);
+  const std::uint64_t most = image.size() / sizeof(std::uint32_t);
+  if (header.leaf_words <= most && header.nodes <= most && header.meshes <= most) {
+    const FileLayout layout(header);
+    const auto section = [&](std::uint64_t at, std::uint64_t bytes) {
+      return at + bytes <= image.size() ? checksum(image.subspan(at, bytes)) : 0;
+    };
+    header.meshes_checksum = section(layout.meshes_at, layout.meshes_bytes);
+    header.nodes_checksum = section(layout.nodes_at, layout.nodes_bytes);
+    header.leaves_checksum = section(layout.leaves_at, layout.leaves_bytes);
+  }
+  header.header_checksum =
+      checksum(std::as_bytes(std::span(&header, 1)).first(offsetof(FileHeader, header_checksum)));
+  std::memcpy(image.data(), &header, sizeof header);
+}
+
+/// Loads `bytes` as a file's from memory that ends where they end, so that a sanitizer sees every step
+/// outside.
+inline kerf::Bvh load(std::span<const std::byte> bytes) {
+  const kerf::AlignedArray<std::byte> image(bytes.size());
+  if (!bytes.empty()) std::memcpy(image.data(), bytes.data(), bytes.size());
+  return kerf::Bvh(kerf::read_image({image.data(), image.size()}, image.owner()));
+}
+
+/// Asks every kind of question. The answers may be any: they must come, and come from inside the structure.
+inline void question(const kerf::Bvh& bvh) {
+  const kerf::Box3f bounds = bvh.bounds();
+  const kerf::Vec3f points[] = {{0.1f, 0.2f, 0.3f}, bounds.lower, {0, 0, 0}, {5, -7, 3}};
+  for (const kerf::Vec3f& origin : points) {
+    for (const kerf::Vec3f& direction :
+         {kerf::Vec3f{1, 0, 0}, {-1, -1, -1}, {0.3f, -0.5f, 0.7f}, {0, 1e-30f, -1}}) {
+      const kerf::Ray ray{.origin = origin, .direction = direction};
+      (void)bvh.intersect(ray);
+      (void)bvh.occluded(ray);
+      (void)bvh.all_hits(ray, std::span<kerf::Hit>());
+    }
+    (void)bvh.contains(origin);
+    (void)bvh.closest_point(origin);
+    (void)bvh.within(origin, 0.5f);
+  }
+  (void)bvh.triangles_in({{-1, -1, -1}, {0.5f, 0.5f, 0.5f}});
+}
+
+}  // namespace forged

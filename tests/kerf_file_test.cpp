@@ -1,0 +1,195 @@
+// .kerf files: what is saved comes back, and what is damaged does not.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "adversarial.hpp"
+#include "build_options.hpp"
+#include "forged_file.hpp"
+#include "temporary_directory.hpp"
+#include "workbench/solids.hpp"
+
+namespace kerf {
+namespace {
+
+std::span<const std::byte> bytes_of(const std::string& file) {
+  return std::as_bytes(std::span(file));
+}
+
+// The code and the sentence of the error that `work` throws.
+template <class Work>
+std::pair<int, std::string> error_of(Work&& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return {error.code(), error.what()};
+  }
+  return {-1, "no error"};
+}
+
+std::string saved(const Bvh& bvh) {
+  const TemporaryDirectory directory;
+  bvh.save(directory / "scene.kerf");
+  return read_bytes(directory / "scene.kerf");
+}
+
+TEST(KerfFile, LoadedAndMappedAnswerAsSaved) {
+  const workbench::Solid torus = workbench::make_torus(48, 24),
+                         box = workbench::make_box({-1, -1, -1}, {1, 1, 1}, 4);
+  const TriangleMesh meshes[] = {torus.mesh(), {}, box.mesh()};
+  const Bvh bvh = build(meshes, spatial_splits_everywhere());
+  const TemporaryDirectory directory;
+  bvh.save(directory / "scene.kerf");
+  const Bvh loaded = Bvh::load(directory / "scene.kerf"), mapped = Bvh::map(directory / "scene.kerf");
+  std::mt19937 random(1);
+  for (int i = 0; i < 2000; ++i) {
+    const Ray ray{.origin = adversarial::uniform_point(random, 2.0f),
+                  .direction = adversarial::uniform_point(random, 1.0f)};
+    const auto hit = bvh.intersect(ray);
+    ASSERT_EQ(loaded.intersect(ray), hit);
+    ASSERT_EQ(mapped.intersect(ray), hit);
+    ASSERT_EQ(mapped.contains(ray.origin), bvh.contains(ray.origin));
+  }
+  for (const Bvh& again : {loaded, mapped}) {
+    EXPECT_EQ(again.bounds(), bvh.bounds());
+    EXPECT_EQ(again.statistics().triangles, bvh.statistics().triangles);
+    EXPECT_EQ(again.statistics().references, bvh.statistics().references);
+    EXPECT_EQ(again.statistics().nodes, bvh.statistics().nodes);
+    EXPECT_EQ(again.statistics().bytes, bvh.statistics().bytes);
+    EXPECT_EQ(saved(again), saved(bvh));
+  }
+}
+
+TEST(KerfFile, AnEmptyHierarchySurvives) {
+  const TemporaryDirectory directory;
+  for (const Bvh& empty : {Bvh(), build(TriangleMesh{}), build(std::span<const TriangleMesh>())}) {
+    empty.save(directory / "empty.kerf");
+    for (const Bvh& again : {Bvh::load(directory / "empty.kerf"), Bvh::map(directory / "empty.kerf")}) {
+      EXPECT_FALSE(again.intersect({.origin = {0, 0, 0}, .direction = {1, 0, 0}}).has_value());
+      EXPECT_EQ(saved(again), read_bytes(directory / "empty.kerf"));
+    }
+  }
+}
+
+TEST(KerfFile, AMappedFileMayBeReplacedWhileItIsUsed) {
+  const TemporaryDirectory directory;
+  build(workbench::make_sphere(2).mesh()).save(directory / "scene.kerf");
+  const Bvh mapped = Bvh::map(directory / "scene.kerf");
+  Bvh().save(directory / "scene.kerf");
+  EXPECT_TRUE(mapped.contains({0, 0, 0}));
+  EXPECT_FALSE(Bvh::map(directory / "scene.kerf").contains({0, 0, 0}));
+}
+
+TEST(KerfFile, TheSameBytesForAnyNumberOfThreadsAndOnEveryRun) {
+  const workbench::Solid solid = workbench::make_torus(96, 48);
+  std::string first;
+  for (const unsigned threads : {1u, 2u, 4u, 8u}) {
+    for (int run = 0; run < 10; ++run) {
+      BuildOptions options;
+      options.threads = threads;
+      const std::string file = saved(build(solid.mesh(), options));
+      if (first.empty()) first = file;
+      ASSERT_EQ(file, first) << threads << " threads, run " << run;
+    }
+  }
+}
+
+TEST(KerfFile, LeavesNothingElseBehind) {
+  const TemporaryDirectory directory;
+  Bvh().save(directory / "a.kerf");
+  Bvh().save(directory / "a.kerf");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory.path()), {}), 1);
+}
+
+TEST(KerfFile, WhatCannotBeReadOrWrittenIsNamed) {
+  const TemporaryDirectory directory;
+  const std::string missing = (directory / "missing.kerf").string();
+  EXPECT_EQ(error_of([&] { Bvh::load(missing); }),
+            std::pair(int{Error::io}, missing + ": cannot be opened: No such file or directory"));
+  EXPECT_EQ(error_of([&] { Bvh::map(directory.path()); }).first, Error::io);
+  EXPECT_EQ(error_of([&] { Bvh::load("/dev/zero"); }).first, Error::io);
+  EXPECT_EQ(error_of([&] { Bvh().save(directory / "no/such/place.kerf"); }).first, Error::io);
+  EXPECT_EQ(error_of([&] { Bvh().save(directory.path()); }).first, Error::io);
+  write_bytes(directory / "empty.kerf", "");
+  EXPECT_EQ(error_of([&] { Bvh::load(directory / "empty.kerf"); }),
+            std::pair(int{Error::bad_format}, (directory / "empty.kerf").string() + ": the file is empty"));
+  write_bytes(directory / "text.kerf", "v 0 0 0\n");
+  EXPECT_EQ(
+      error_of([&] { Bvh::map(directory / "text.kerf"); }),
+      std::pair(int{Error::bad_format}, (directory / "text.kerf").string() + ": this is not a .kerf file"));
+}
+
+TEST(KerfFile, OtherVersionsAndByteOrdersAreToldFromDamage) {
+  std::string file = saved(Bvh());
+  const auto sentence = [](const std::string& bytes) {
+    return error_of([&] { forged::load(bytes_of(bytes)); }).second;
+  };
+  std::string swapped = file;
+  std::reverse(swapped.begin() + 8, swapped.begin() + 12);
+  EXPECT_EQ(sentence(swapped), "the file was written on a machine with the other byte order");
+  file[12] = 9;
+  EXPECT_EQ(sentence(file), "the file has format version 9, but this kerf reads version 1");
+}
+
+TEST(KerfFile, EveryTruncationAndEveryChangedByteIsRefused) {
+  const std::string file = saved(build(workbench::make_sphere(0).mesh()));
+  for (std::size_t length = 0; length < file.size(); ++length) {
+    ASSERT_EQ(error_of([&] { forged::load(bytes_of(file.substr(0, length))); }).first, Error::bad_format)
+        << length;
+  }
+  ASSERT_EQ(error_of([&] { forged::load(bytes_of(file + '\0')); }).first, Error::bad_format);
+  for (std::size_t i = 0; i < file.size(); ++i) {
+    for (const int change : {0x01, 0x80, 0xff}) {
+      std::string changed = file;
+      changed[i] = static_cast<char>(changed[i] ^ change);
+      ASSERT_EQ(error_of([&] { forged::load(bytes_of(changed)); }).first, Error::bad_format) << i;
+    }
+  }
+}
+
+// The same with the checksums set right again: whoever forges a file can do that. What is not refused must
+// answer.
+TEST(KerfFile, AForgedFileIsRefusedOrAnswers) {
+  const std::string file = saved(build(workbench::make_sphere(1).mesh()));
+  std::size_t loaded = 0, refused = 0;
+  for (std::size_t i = 0; i < file.size(); ++i) {
+    for (const int value : {0x00, 0x7f, 0xff}) {
+      std::string changed = file;
+      changed[i] = static_cast<char>(value);
+      forged::sign(std::as_writable_bytes(std::span(changed)));
+      try {
+        forged::question(forged::load(bytes_of(changed)));
+        ++loaded;
+      } catch (const Error& error) {
+        ASSERT_EQ(error.code(), Error::bad_format);
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(loaded, 0u);   // coordinates may be changed at will,
+  EXPECT_GT(refused, 0u);  // links may not
+}
+
+TEST(KerfFile, LinksThatLeadAstrayAreRefused) {
+  const std::string file = saved(build(workbench::make_sphere(3).mesh()));
+  FileHeader header;
+  std::memcpy(&header, file.data(), sizeof header);
+  ASSERT_GT(header.nodes, 2u);
+  const std::size_t nodes = FileLayout(header).nodes_at;
+  const auto forge = [&](std::size_t offset, std::uint32_t value) {
+    std::string changed = file;
+    std::memcpy(changed.data() + nodes + offset, &value, sizeof value);
+    forged::sign(std::as_writable_bytes(std::span(changed)));
+    return error_of([&] { forged::load(bytes_of(changed)); }).second;
+  };
+  const std::size_t first_link = offsetof(WideNode, children);
+  EXPECT_EQ(forge(first_link, ChildLink::node(0).bits()), "a link to an impossible node (0)");
+  EXPECT_EQ(forge(first_link, ChildLink::node(header.nodes).bits()), "a link to an impossible node (0)");
+  EXPECT_EQ(forge(first_link, ChildLink::leaf(ChildLink::max_place, 8).bits()),
+            "a leaf outside the triangles (268435455)");
+  EXPECT_EQ(forge(offsetof(WideNode, order), 0),
+            "a node whose visiting order does not name each child once (0)");
+}
+
+}  // namespace
+}  // namespace kerf
