@@ -2,8 +2,9 @@
 #include "workbench/aimed_rays.hpp"
 
 #include <gtest/gtest.h>
-
 #include <kerf/build.hpp>
+
+#include "instrumented.hpp"
 
 TEST(Watertight, AMillionAimedRaysNeitherLeakNorMiscount) {
   const std::vector<workbench::NamedSolid> solids = workbench::make_watertight_solids();
@@ -13,7 +14,7 @@ TEST(Watertight, AMillionAimedRaysNeitherLeakNorMiscount) {
     options.max_reference_ratio = 2.0f;
     const kerf::Bvh bvh = kerf::build(solid.mesh(), options);
     const workbench::AimedRayCounts counts =
-        workbench::trace_aimed_rays(solid, bvh, 1'000'000 / solids.size() + 1, 64);
+        workbench::trace_aimed_rays(solid, bvh, test::reduced(1'000'000) / solids.size() + 1, 64);
     EXPECT_EQ(counts.leaks, 0u) << name;
     EXPECT_EQ(counts.parity_errors, 0u) << name;
   }

@@ -1,9 +1,10 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <kerf/kerf.hpp>
 #include <vector>
 
+#include <gtest/gtest.h>
+#include <kerf/kerf.hpp>
+
+#include "instrumented.hpp"
 #include "math/vec3f.hpp"
 #include "workbench/solids.hpp"
 
@@ -32,7 +33,10 @@ std::vector<Ray> aimed_rays(const workbench::Solid& solid, const Vec3f& origin) 
 
 std::size_t count_leaks(const kerf::Bvh& bvh, const std::vector<Ray>& rays) {
   std::size_t leaks = 0;
-  for (const Ray& ray : rays) leaks += !bvh.intersect(ray).has_value() || !bvh.occluded(ray);
+  for (std::size_t i = 0; i < rays.size(); i += test::slowdown) {
+    const Ray& ray = rays[i];
+    leaks += !bvh.intersect(ray).has_value() || !bvh.occluded(ray);
+  }
   std::vector<kerf::Hit> hits(rays.size());
   bvh.intersect(rays, hits);
   for (const kerf::Hit& hit : hits) leaks += !hit;

@@ -1,0 +1,23 @@
+// How much of a long loop runs where every instruction is watched and takes many times as long.
+#pragma once
+
+#include <cstddef>
+
+namespace test {
+
+#if defined(__SANITIZE_THREAD__)
+inline constexpr std::size_t slowdown = 16;
+#elif defined(__SANITIZE_ADDRESS__) || !defined(NDEBUG)
+inline constexpr std::size_t slowdown = 4;
+#else
+inline constexpr std::size_t slowdown = 1;
+#endif
+
+/// `count` in a plain release build; a part of it, never 0, under a sanitizer or without optimisation. For
+/// loops over like cases only: what they look for is found in the release build, and a part of them is enough
+/// to show each line of code to the sanitizer.
+constexpr std::size_t reduced(std::size_t count) {
+  return (count + slowdown - 1) / slowdown;
+}
+
+}  // namespace test
