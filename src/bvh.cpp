@@ -15,6 +15,8 @@ namespace {
 std::optional<Hit> named(const Bvh::Structure& structure, Hit hit) {
   if (!hit) return std::nullopt;
   const auto& first = structure.first_triangles;
+  hit.mesh = 0;
+  if (first.size() == 2) return hit;
   hit.mesh = static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), hit.primitive) -
                                         first.begin() - 1);
   hit.primitive -= first[hit.mesh];

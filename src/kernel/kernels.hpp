@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+
 #include <kerf/ray.hpp>
 
 #include "kernel/counters.hpp"

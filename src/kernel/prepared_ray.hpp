@@ -5,43 +5,56 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <kerf/ray.hpp>
 #include <limits>
+
+#include <kerf/ray.hpp>
 
 #include "math/vec3f.hpp"
 
 namespace kerf {
 
-/// The ray with its direction scaled by a power of two so that its largest component is in [1, 2): then
-/// neither distances nor inverses overflow, and t, being scaled by a power of two as well, has the same
-/// digits.
+/// The ray with t_min and t_max made tame, and with its direction scaled by a power of two if it is very long
+/// or very short: then neither distances nor inverses overflow, and t, being scaled by a power of two as
+/// well, has the same digits.
 struct PreparedRay {
   Vec3f origin, direction;
-  float t_min, t_max;  ///< in lengths of the scaled direction, and finite
-  double scale;        ///< a t of this ray is one of the caller's times `scale`
+  float t_min, t_max;  ///< in lengths of the direction here; both finite
+  double scale = 1.0;  ///< a t of this ray is one of the caller's times `scale`
 
-  explicit PreparedRay(const Ray& ray) : origin(ray.origin) {
+  explicit PreparedRay(const Ray& ray) : origin(ray.origin), direction(ray.direction) {
     const Vec3f& d = ray.direction;
-    const double largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
-    constexpr std::uint64_t exponent_bits = 0x7ff0000000000000u;
-    const std::uint64_t exponent = std::bit_cast<std::uint64_t>(largest) & exponent_bits;
-    scale = std::bit_cast<double>(exponent);
-    const double inverse = std::bit_cast<double>(0x7fe0000000000000u - exponent);  // of a power of two: exact
-    direction = {static_cast<float>(d.x * inverse), static_cast<float>(d.y * inverse),
-                 static_cast<float>(d.z * inverse)};
-    t_min = static_cast<float>(std::max(ray.t_min, 0.0f) * scale);
-    t_max = static_cast<float>(std::min<double>(ray.t_max * scale, std::numeric_limits<float>::max()));
+    const float largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    t_min = std::max(ray.t_min, 0.0f);
+    t_max = std::min(ray.t_max, std::numeric_limits<float>::max());
+    if (!(largest > 0x1p-8f && largest < 0x1p20f)) rescale(largest);
     // Zero times anything infinite or not a number is not a number, which equals nothing.
-    const bool finite =
-        0.0f * origin.x + 0.0f * origin.y + 0.0f * origin.z + 0.0f * d.x + 0.0f * d.y + 0.0f * d.z == 0;
-    if (!(finite && largest > 0.0 && ray.t_min <= ray.t_max)) t_max = -1.0f;
+    const float zero =
+        (0.0f * origin.x + 0.0f * origin.y) + (0.0f * origin.z + 0.0f * d.x) + (0.0f * d.y + 0.0f * d.z);
+    if (!((zero == 0.0f) & (ray.t_min <= ray.t_max))) t_max = -1.0f;
   }
 
   /// False for a ray that can hit nothing: t_max < t_min, something not finite, or a direction of zero.
   bool valid() const { return t_min <= t_max; }
 
   /// The caller's t.
-  float unscaled(float t) const { return static_cast<float>(t / scale); }
+  float unscaled(float t) const { return scale == 1.0 ? t : static_cast<float>(t / scale); }
+
+ private:
+  // Makes the largest component one in [1, 2).
+  void rescale(double largest) {
+    if (!(largest > 0.0)) {
+      origin.x = std::numeric_limits<float>::quiet_NaN();
+      return;
+    }
+    constexpr std::uint64_t exponent_bits = 0x7ff0000000000000u;
+    const std::uint64_t exponent = std::bit_cast<std::uint64_t>(largest) & exponent_bits;
+    scale = std::bit_cast<double>(exponent);
+    const double inverse = std::bit_cast<double>(0x7fe0000000000000u - exponent);  // of a power of two: exact
+    direction = {static_cast<float>(direction.x * inverse), static_cast<float>(direction.y * inverse),
+                 static_cast<float>(direction.z * inverse)};
+    t_min = static_cast<float>(t_min * scale);
+    t_max = static_cast<float>(std::min<double>(t_max * scale, std::numeric_limits<float>::max()));
+  }
 };
 
 }  // namespace kerf

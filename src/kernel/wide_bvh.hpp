@@ -5,9 +5,10 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <kerf/vec.hpp>
 #include <memory>
 #include <span>
+
+#include <kerf/vec.hpp>
 
 #include "math/triangle.hpp"
 
@@ -66,7 +67,8 @@ struct WideBvh {
   std::span<const WideNode> nodes;        ///< nodes[0] is the root; none for a hierarchy of nothing
   std::span<const std::uint32_t> leaves;  ///< words_per_triangle * (triangles in leaves) + leaf_padding_words
   Box3f bounds;
-  std::uint32_t depth = 0;  ///< the most nodes on a way from the root to a leaf
+  float largest_coordinate = 0.0f;  ///< of `bounds`
+  std::uint32_t depth = 0;          ///< the most nodes on a way from the root to a leaf
 
   std::shared_ptr<const void> node_memory, leaf_memory;  ///< keep what the spans show
 

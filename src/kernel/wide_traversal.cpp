@@ -22,55 +22,124 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// What a node step needs of the ray.
-struct NodeRay {
+// Direction components of more or less than these are scaled first, see `PreparedRay`.
+constexpr float least_length = 0x1p-8f, greatest_length = 0x1p20f;
+
+// The axes of a ray's shear, for each axis of the largest component and its sign.
+struct ShearAxes {
+  std::uint8_t axis[3];
+};
+constexpr ShearAxes shear_axes[3][2] = {
+    {{{1, 2, 0}}, {{2, 1, 0}}}, {{{2, 0, 1}}, {{0, 2, 1}}}, {{{0, 1, 2}}, {{1, 0, 2}}}};
+
+// A ray as node steps and leaf tests need it: `RayBoxes` and `RayShear` once more, in vectors.
+struct WideRay {
   Eight inverse[3], enter[3], leave[3], t_min;
   std::size_t near[3], far[3];  // where in a node the planes of entry and exit begin, in floats
   unsigned octant;
 
-  HWY_ATTR NodeRay(const PreparedRay& ray, const Box3f& scene) {
-    const RayBoxes boxes(ray.origin, ray.direction, scene);
-    octant = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const bool negative = boxes.inverse[axis] < 0.0f;
-      octant |= static_cast<unsigned>(negative) << axis;
-      const std::size_t first = static_cast<std::size_t>(axis) * 2 * wide_node_children;
-      near[axis] = first + (negative ? wide_node_children : 0);
-      far[axis] = first + (negative ? 0 : wide_node_children);
-      inverse[axis] = broadcast(boxes.inverse[axis]);
-      enter[axis] = broadcast(boxes.enter[axis]);
-      leave[axis] = broadcast(boxes.leave[axis]);
-    }
-    t_min = broadcast(ray.t_min);
-  }
-};
-
-// What a leaf test needs of the ray.
-struct LeafRay {
   Eight origin[3];  // along the shear's axes
   Eight sx, sy;
-  float t_min;
   double inverse_dz;
   std::size_t axis[3];
-
-  HWY_ATTR LeafRay(const PreparedRay& ray) : t_min(ray.t_min) {
-    const RayShear shear(ray.direction);
-    const int axes[3] = {shear.kx, shear.ky, shear.kz};
-    for (int i = 0; i < 3; ++i) {
-      axis[i] = static_cast<std::size_t>(axes[i]);
-      origin[i] = broadcast(ray.origin[axes[i]]);
-    }
-    sx = broadcast(shear.sx);
-    sy = broadcast(shear.sy);
-    inverse_dz = shear.inverse_dz;
-  }
+  float t_first;
 };
+
+HWY_INLINE void set_up(const PreparedRay& ray, const WideBvh& bvh, WideRay& out) {
+  const float o[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
+  const RayBoxes boxes(ray.origin, ray.direction, bvh.bounds);
+  const float r[3] = {boxes.inverse.x, boxes.inverse.y, boxes.inverse.z};
+  const float e[3] = {boxes.enter.x, boxes.enter.y, boxes.enter.z};
+  const float l[3] = {boxes.leave.x, boxes.leave.y, boxes.leave.z};
+  const RayShear shear(ray.direction);
+  const int axes[3] = {shear.kx, shear.ky, shear.kz};
+  out.octant = 0;
+  for (int i = 0; i < 3; ++i) {
+    out.octant |= static_cast<unsigned>(std::signbit(r[i])) << i;
+    out.inverse[i] = broadcast(r[i]);
+    out.enter[i] = broadcast(e[i]);
+    out.leave[i] = broadcast(l[i]);
+    out.axis[i] = static_cast<std::size_t>(axes[i]);
+    out.origin[i] = broadcast(o[axes[i]]);
+  }
+  out.sx = broadcast(shear.sx);
+  out.sy = broadcast(shear.sy);
+  out.inverse_dz = shear.inverse_dz;
+}
+
+#if HWY_TARGET != HWY_SCALAR
+template <int i>
+HWY_INLINE Eight broadcast_lane(hn::Vec<hn::FixedTag<float, 4>> v) {
+  Eight r;
+#if HWY_TARGET <= HWY_AVX2
+  const FloatTag d;
+  r.part[0] = hn::TableLookupLanes(hn::ZeroExtendVector(d, v),
+                                   hn::IndicesFromVec(d, hn::Set(hn::RebindToSigned<FloatTag>(), i)));
+#else
+  for (auto& part : r.part) part = hn::Broadcast<i>(v);
+#endif
+  return r;
+}
+
+HWY_INLINE bool set_up_fast(const Ray& ray, const WideBvh& bvh, WideRay& out) {
+  const hn::FixedTag<float, 4> d4;
+  const float* o_memory = &ray.origin.x;
+  const float* d_memory = &ray.direction.x;
+  const auto o = hn::LoadU(d4, o_memory), d = hn::LoadU(d4, d_memory);  // the fourth lane is something else
+  const auto absolute = hn::Abs(d);
+  const auto across = [](auto v) HWY_ATTR {
+    return hn::Max(hn::Max(hn::Broadcast<0>(v), hn::Broadcast<1>(v)), hn::Broadcast<2>(v));
+  };
+  const auto largest = across(absolute);
+  const auto distance = across(hn::Max(hn::Abs(hn::Sub(o, hn::LoadU(d4, &bvh.bounds.lower.x))),
+                                       hn::Abs(hn::Sub(o, hn::LoadU(d4, &bvh.bounds.upper.x)))));
+  const auto zero = hn::Zero(d4);
+  const auto bits4 = [](auto mask) HWY_ATTR {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(hn::FixedTag<float, 4>(), mask, bytes);
+    return unsigned{bytes[0]};
+  };
+  const unsigned finite = bits4(hn::Eq(hn::Mul(zero, hn::Add(o, d)), zero));
+  const float length = hn::GetLane(largest);
+  if (!((finite & 7) == 7 && length > least_length && length < greatest_length)) return false;
+
+  const auto margin = hn::Mul(hn::Set(d4, 0x1p-24f), hn::Add(hn::Mul(distance, hn::Set(d4, 20.0f)),
+                                                             hn::Set(d4, 4 * bvh.largest_coordinate)));
+  const auto positive =
+      hn::Div(hn::Set(d4, 1.0f), hn::Max(absolute, hn::Mul(largest, hn::Set(d4, 0x1p-26f))));
+  const auto inverse = hn::CopySign(positive, d);
+  const auto product = hn::Mul(o, inverse), grown = hn::Mul(margin, positive);
+  const auto enter = hn::Sub(hn::Neg(product), grown), leave = hn::Sub(grown, product);
+  out.inverse[0] = broadcast_lane<0>(inverse);
+  out.inverse[1] = broadcast_lane<1>(inverse);
+  out.inverse[2] = broadcast_lane<2>(inverse);
+  out.enter[0] = broadcast_lane<0>(enter);
+  out.enter[1] = broadcast_lane<1>(enter);
+  out.enter[2] = broadcast_lane<2>(enter);
+  out.leave[0] = broadcast_lane<0>(leave);
+  out.leave[1] = broadcast_lane<1>(leave);
+  out.leave[2] = broadcast_lane<2>(leave);
+  out.octant = bits4(hn::MaskFromVec(
+                   hn::BitCast(d4, hn::BroadcastSignBit(hn::BitCast(hn::FixedTag<std::int32_t, 4>(), d))))) &
+               7;
+  const auto kz = static_cast<unsigned>(31 - std::countl_zero(bits4(hn::Eq(absolute, largest)) & 7));
+  const ShearAxes axes = shear_axes[kz][(out.octant >> kz) & 1];
+  for (int i = 0; i < 3; ++i) {
+    out.axis[i] = axes.axis[i];
+    out.origin[i] = broadcast(o_memory[axes.axis[i]]);
+  }
+  out.sx = broadcast(d_memory[axes.axis[0]] / d_memory[kz]);
+  out.sy = broadcast(d_memory[axes.axis[1]] / d_memory[kz]);
+  out.inverse_dz = 1.0 / static_cast<double>(d_memory[kz]);
+  return true;
+}
+#endif
 
 struct Sheared {
   Eight x, y, z;
 };
 
-HWY_INLINE Sheared shear(const LeafRay& ray, const float* vertex_rows, std::size_t count) {
+HWY_INLINE Sheared shear(const WideRay& ray, const float* vertex_rows, std::size_t count) {
   const Eight z = load(vertex_rows + ray.axis[2] * count) - ray.origin[2];
   return {load(vertex_rows + ray.axis[0] * count) - ray.origin[0] - ray.sx * z,
           load(vertex_rows + ray.axis[1] * count) - ray.origin[1] - ray.sy * z, z};
@@ -78,7 +147,7 @@ HWY_INLINE Sheared shear(const LeafRay& ray, const float* vertex_rows, std::size
 
 // `intersect_triangle` on all triangles of a leaf at once, operation by operation. Returns whether `best`
 // changed.
-HWY_INLINE bool intersect_leaf(const LeafRay& ray, const std::uint32_t* words, std::uint32_t count,
+HWY_INLINE bool intersect_leaf(const WideRay& ray, const std::uint32_t* words, std::uint32_t count,
                                Hit& best) {
   const float* rows = reinterpret_cast<const float*>(words);
   const Sheared a = shear(ray, rows, count), b = shear(ray, rows + 3 * count, count),
@@ -119,7 +188,7 @@ HWY_INLINE bool intersect_leaf(const LeafRay& ray, const std::uint32_t* words, s
   bool changed = false;
   for (; hits != 0; hits &= hits - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(hits));
-    if (!(t[i] >= ray.t_min && t[i] <= best.t)) continue;
+    if (!(t[i] >= ray.t_first && t[i] <= best.t)) continue;
     const std::uint32_t primitive = words[9 * count + i];
     if (t[i] == best.t && primitive >= best.primitive) continue;
     best.t = t[i];
@@ -141,11 +210,29 @@ struct Stack {
 template <bool any_hit, bool counting>
 HWY_ATTR Hit trace(const WideBvh& bvh, const Ray& caller_ray, TraversalCounters* counters) {
   Hit best;
-  const PreparedRay ray(caller_ray);
-  if (!ray.valid()) return best;
-  const NodeRay node_ray(ray, bvh.bounds);
-  const LeafRay leaf_ray(ray);
-  best.t = ray.t_max;
+  WideRay wide_ray;
+  double scale = 1.0;
+#if HWY_TARGET != HWY_SCALAR
+  if (HWY_LIKELY(set_up_fast(caller_ray, bvh, wide_ray))) {
+    if (!(caller_ray.t_min <= caller_ray.t_max)) return best;
+    wide_ray.t_first = std::max(caller_ray.t_min, 0.0f);
+    best.t = std::min(caller_ray.t_max, std::numeric_limits<float>::max());
+  } else
+#endif
+  {
+    const PreparedRay ray(caller_ray);
+    if (!ray.valid()) return best;
+    set_up(ray, bvh, wide_ray);
+    wide_ray.t_first = ray.t_min;
+    best.t = ray.t_max;
+    scale = ray.scale;
+  }
+  wide_ray.t_min = broadcast(wide_ray.t_first);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t negative = (wide_ray.octant >> axis) & 1;
+    wide_ray.near[axis] = (2 * axis + negative) * wide_node_children;
+    wide_ray.far[axis] = (2 * axis + 1 - negative) * wide_node_children;
+  }
   Eight t_best = broadcast(best.t);
   Stack stack;
   std::size_t depth = 0;
@@ -156,17 +243,28 @@ HWY_ATTR Hit trace(const WideBvh& bvh, const Ray& caller_ray, TraversalCounters*
       const WideNode& node = bvh.nodes[link.node()];
       const float* planes = &node.planes[0][0][0];
       const auto plane = [&](std::size_t from, int axis, const Eight* constants) HWY_ATTR {
-        return multiply_add(load(planes + from), node_ray.inverse[axis], constants[axis]);
+        return multiply_add(load(planes + from), wide_ray.inverse[axis], constants[axis]);
       };
       const Eight first = maximum(
-          maximum(plane(node_ray.near[0], 0, node_ray.enter), plane(node_ray.near[1], 1, node_ray.enter)),
-          maximum(plane(node_ray.near[2], 2, node_ray.enter), node_ray.t_min));
+          maximum(plane(wide_ray.near[0], 0, wide_ray.enter), plane(wide_ray.near[1], 1, wide_ray.enter)),
+          maximum(plane(wide_ray.near[2], 2, wide_ray.enter), wide_ray.t_min));
       const Eight last = minimum(
-          minimum(plane(node_ray.far[0], 0, node_ray.leave), plane(node_ray.far[1], 1, node_ray.leave)),
-          minimum(plane(node_ray.far[2], 2, node_ray.leave), t_best));
+          minimum(plane(wide_ray.far[0], 0, wide_ray.leave), plane(wide_ray.far[1], 1, wide_ray.leave)),
+          minimum(plane(wide_ray.far[2], 2, wide_ray.leave), t_best));
       const std::uint32_t met = less_or_equal(first, last);
       if (met == 0) goto next;
-      std::uint32_t order = node.order[node_ray.octant];
+#if HWY_TARGET <= HWY_AVX2
+      if constexpr (any_hit) {
+        const hn::RebindToUnsigned<FloatTag> du;
+        const auto links = hn::LoadU(du, reinterpret_cast<const std::uint32_t*>(node.children));
+        hn::StoreU(hn::Compress(links, hn::RebindMask(du, hn::Le(first.part[0], last.part[0]))), du,
+                   stack.link + depth);
+        depth += static_cast<std::size_t>(std::popcount(met)) - 1;
+        link = ChildLink(stack.link[depth]);
+        continue;
+      }
+#endif
+      std::uint32_t order = node.order[wide_ray.octant];
 #if HWY_TARGET <= HWY_AVX2
       {
         const hn::RebindToUnsigned<FloatTag> du;
@@ -200,14 +298,19 @@ HWY_ATTR Hit trace(const WideBvh& bvh, const Ray& caller_ray, TraversalCounters*
       ++counters->leaves;
       counters->triangle_tests += link.count();
     }
-    if (intersect_leaf(leaf_ray, bvh.leaves.data() + words_per_triangle * link.first(), link.count(), best)) {
+    if (intersect_leaf(wide_ray, bvh.leaves.data() + words_per_triangle * link.first(), link.count(), best)) {
       if constexpr (any_hit) return best;
       t_best = broadcast(best.t);
     }
   next:
+    if constexpr (any_hit) {
+      if (depth == 0) return Hit{};
+      link = ChildLink(stack.link[--depth]);
+      continue;
+    }
     do {
       if (depth == 0) {
-        best.t = ray.unscaled(best.t);
+        if (scale != 1.0) best.t = static_cast<float>(best.t / scale);
         return best;
       }
       --depth;

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <kerf/ray.hpp>
 #include <limits>
+
+#include <kerf/ray.hpp>
 
 #include "math/vec3f.hpp"
 
@@ -31,24 +32,30 @@ namespace kerf {
 struct RayBoxes {
   Vec3f inverse, enter, leave;
 
-  /// `direction`'s largest component must be in [1, 2), as `PreparedRay` makes it.
   RayBoxes(const Vec3f& origin, const Vec3f& direction, const Box3f& scene) {
     constexpr float unit = 0x1p-24f;
-    constexpr float least = 0x1p-26f;  // moves the ray by no more than a quarter of a unit of D
-    float distance = 0.0f, coordinate = 0.0f;
+    const float o[3] = {origin.x, origin.y, origin.z}, d[3] = {direction.x, direction.y, direction.z};
+    const float lower[3] = {scene.lower.x, scene.lower.y, scene.lower.z};
+    const float upper[3] = {scene.upper.x, scene.upper.y, scene.upper.z};
+    float distance = 0.0f, coordinate = 0.0f, largest = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
-      distance = std::max(
-          {distance, std::abs(origin[axis] - scene.lower[axis]), std::abs(origin[axis] - scene.upper[axis])});
-      coordinate = std::max(coordinate, std::abs(origin[axis]));
+      distance = std::max({distance, std::abs(o[axis] - lower[axis]), std::abs(o[axis] - upper[axis])});
+      coordinate = std::max(coordinate, std::abs(o[axis]));
+      largest = std::max(largest, std::abs(d[axis]));
     }
     const float margin = unit * (16.0f * distance + 4.0f * coordinate);
+    const float least = 0x1p-26f * largest;  // moves the ray by no more than a quarter of a unit of D
+    float r[3], e[3], l[3];
     for (int axis = 0; axis < 3; ++axis) {
-      const float d = std::copysign(std::max(std::abs(direction[axis]), least), direction[axis]);
-      inverse[axis] = 1.0f / d;
-      const float product = origin[axis] * inverse[axis], grown = margin * std::abs(inverse[axis]);
-      enter[axis] = -product - grown;
-      leave[axis] = grown - product;
+      const float absolute = 1.0f / std::max(std::abs(d[axis]), least);
+      r[axis] = std::copysign(absolute, d[axis]);
+      const float product = o[axis] * r[axis], grown = margin * absolute;
+      e[axis] = -product - grown;
+      l[axis] = grown - product;
     }
+    inverse = {r[0], r[1], r[2]};
+    enter = {e[0], e[1], e[2]};
+    leave = {l[0], l[1], l[2]};
   }
 
   /// Where the ray enters the box, or infinity if it misses or the box lies outside [t_min, t_max].

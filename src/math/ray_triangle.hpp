@@ -1,8 +1,9 @@
 // Watertight ray-triangle intersection (Woop, Benthin & Wald 2013, "Watertight Ray/Triangle Intersection").
 #pragma once
 
+#include <algorithm>
 #include <cmath>
-#include <utility>
+#include <cstdint>
 
 #include <kerf/ray.hpp>
 
@@ -19,14 +20,17 @@ struct RayShear {
   double inverse_dz;
 
   explicit RayShear(const Vec3f& direction) {
-    const float ax = std::abs(direction.x), ay = std::abs(direction.y), az = std::abs(direction.z);
-    kz = ax > ay ? (ax > az ? 0 : 2) : (ay > az ? 1 : 2);
-    kx = (kz + 1) % 3;
-    ky = (kx + 1) % 3;
-    if (direction[kz] < 0.0f) std::swap(kx, ky);  // keeps the winding of triangles
-    sx = direction[kx] / direction[kz];
-    sy = direction[ky] / direction[kz];
-    inverse_dz = 1.0 / static_cast<double>(direction[kz]);
+    const float d[3] = {direction.x, direction.y, direction.z};
+    const float ax = std::abs(d[0]), ay = std::abs(d[1]), az = std::abs(d[2]);
+    kz = ax > ay ? 0 : 1;
+    kz = std::max(ax, ay) > az ? kz : 2;
+    const bool negative = d[kz] < 0.0f;
+    constexpr std::int8_t next[3] = {1, 2, 0}, after_next[3] = {2, 0, 1};
+    kx = (negative ? after_next : next)[kz];  // swapped where that keeps the winding of triangles
+    ky = (negative ? next : after_next)[kz];
+    sx = d[kx] / d[kz];
+    sy = d[ky] / d[kz];
+    inverse_dz = 1.0 / static_cast<double>(d[kz]);
   }
 };
 

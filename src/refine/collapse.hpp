@@ -11,8 +11,8 @@ namespace kerf {
 
 /// What traversal pays on the machine at hand, in visits of a wide node.
 struct CollapseCosts {
-  float leaf = 0.6f;       ///< to come to a leaf
-  float triangle = 0.06f;  ///< more for each of its triangles, which are tested together
+  float leaf = 0.4f;       ///< to come to a leaf
+  float triangle = 0.03f;  ///< more for each of its triangles, which are tested together
 };
 
 /// The cost-optimal way to cut a binary tree into nodes of up to eight children (Ylitie, Karras & Laine 2017,
