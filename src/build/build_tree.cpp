@@ -19,26 +19,16 @@ std::size_t presplit_limit(const BuildOptions& options, std::size_t triangles) {
 
 BinaryTree build_tree(const Geometry& geometry, const BuildOptions& options) {
   check_options(options);
+  if (options.builder == Builder::sbvh || options.builder == Builder::bvh)
+    return build_split_tree(geometry, options);
+
   Input input = make_references(geometry);
   const std::size_t limit = presplit_limit(options, input.references.size());
-  BinaryTree tree;
-  switch (options.builder) {
-    case Builder::sbvh:
-      tree = build_split_tree(geometry, std::move(input.references), options);
-      break;
-    case Builder::bvh:
-      tree = build_object_split_tree(std::move(input.references), options);
-      break;
-    case Builder::esc:
-      tree = build_object_split_tree(split_by_area(geometry, std::move(input.references), limit), options);
-      merge_parts_in_leaves(tree);
-      break;
-    case Builder::evh:
-      tree = build_object_split_tree(split_by_edge_volume(geometry, std::move(input.references), limit),
-                                     options);
-      merge_parts_in_leaves(tree);
-      break;
-  }
+  BinaryTree tree = build_object_split_tree(
+      options.builder == Builder::esc ? split_by_area(geometry, std::move(input.references), limit)
+                                      : split_by_edge_volume(geometry, std::move(input.references), limit),
+      options);
+  merge_parts_in_leaves(tree);
   tree.degenerate_triangles = input.degenerate_triangles;
   return tree;
 }

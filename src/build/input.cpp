@@ -1,7 +1,10 @@
 #include "build/input.hpp"
 
+#include <algorithm>
 #include <cstdio>
+
 #include <kerf/error.hpp>
+#include <tbb/parallel_for.h>
 
 namespace kerf {
 namespace {
@@ -11,6 +14,76 @@ template <class... Values>
   char sentence[256];
   std::snprintf(sentence, sizeof sentence, format, values...);
   throw Error(code, sentence);
+}
+
+// Throws for the first triangle of `geometry` that is wrong, of those from `id` on.
+[[noreturn]] void explain(const Geometry& geometry, std::uint32_t id) {
+  const auto [m, i] = geometry.locate(id);
+  const TriangleMesh& mesh = geometry.meshes()[m];
+  for (const std::uint32_t index : mesh.triangles[i].values) {
+    if (index >= mesh.vertices.size()) {
+      fail(Error::index_out_of_range, "triangle %u of mesh %u names vertex %u, but there are only %zu", i, m,
+           index, mesh.vertices.size());
+    }
+    const auto [x, y, z] = mesh.vertices[index].values;
+    if (!is_finite({x, y, z})) {
+      fail(Error::non_finite_vertex, "vertex %u of mesh %u, used by triangle %u, is (%g, %g, %g)", index, m,
+           i, double{x}, double{y}, double{z});
+    }
+  }
+  fail(Error::invalid_argument, "triangle %u of mesh %u cannot be read", i, m);
+}
+
+constexpr std::uint32_t nothing_wrong = 0xffffffffu;
+
+// A row of triangles of one mesh, which one task reads.
+struct Block {
+  std::uint32_t mesh, begin, end;  // triangles within the mesh
+  std::uint32_t first_id;          // that of `begin`
+  std::uint32_t count = 0;         // references written from place `first_id` on
+  std::uint32_t wrong = nothing_wrong;
+  Box3f box, doubled_centroids;
+
+  void read(const Geometry& geometry, Reference* references) {
+    const TriangleMesh& m = geometry.meshes()[mesh];
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const std::uint32_t id = first_id + (i - begin);
+      const auto [a, b, c] = m.triangles[i].values;
+      if (std::max({a, b, c}) >= m.vertices.size()) return stop(id);
+      const Triangle triangle = geometry.triangle_of(mesh, i);
+      // A difference of what is not finite with itself is not a number.
+      const Vec3f sum = triangle.v0 * 0.0f + triangle.v1 * 0.0f + triangle.v2 * 0.0f;
+      if (!(sum.x + sum.y + sum.z == 0.0f)) return stop(id);
+      if (is_degenerate(triangle)) continue;
+      Box3f bounds = bounds_of(triangle);
+      // No negative zeros: instruction sets disagree about which zero is the lesser.
+      const Vec3f zero;
+      bounds = {bounds.lower + zero, bounds.upper + zero};
+      box = merge(box, bounds);
+      doubled_centroids = merge(doubled_centroids, bounds.lower + bounds.upper);
+      references[first_id + count++] = Reference(bounds, id);
+    }
+  }
+
+  void stop(std::uint32_t id) { wrong = id; }
+};
+
+std::vector<Block> blocks_of(const Geometry& geometry) {
+  constexpr std::uint32_t block_size = 8192;
+  std::vector<Block> blocks;
+  for (std::uint32_t m = 0; m < geometry.meshes().size(); ++m) {
+    const std::uint32_t first = geometry.first_triangles()[m],
+                        count = geometry.first_triangles()[m + 1] - first;
+    for (std::uint32_t begin = 0; begin < count; begin += block_size) {
+      blocks.push_back({.mesh = m,
+                        .begin = begin,
+                        .end = std::min(begin + block_size, count),
+                        .first_id = first + begin,
+                        .box = {},
+                        .doubled_centroids = {}});
+    }
+  }
+  return blocks;
 }
 
 }  // namespace
@@ -32,33 +105,30 @@ void check_options(const BuildOptions& options) {
   }
 }
 
+ReferenceSummary write_references(const Geometry& geometry, Reference* references) {
+  std::vector<Block> blocks = blocks_of(geometry);
+  tbb::parallel_for(std::size_t{0}, blocks.size(),
+                    [&](std::size_t i) { blocks[i].read(geometry, references); });
+  ReferenceSummary summary;
+  for (const Block& block : blocks) {
+    if (block.wrong != nothing_wrong) explain(geometry, block.wrong);
+    if (summary.count != block.first_id) {  // degenerate triangles were left out before this block
+      std::copy_n(references + block.first_id, block.count, references + summary.count);
+    }
+    summary.count += block.count;
+    summary.box = merge(summary.box, block.box);
+    summary.doubled_centroids = merge(summary.doubled_centroids, block.doubled_centroids);
+  }
+  summary.degenerate_triangles = geometry.triangle_count() - summary.count;
+  return summary;
+}
+
 Input make_references(const Geometry& geometry) {
   Input input;
-  input.references.reserve(geometry.triangle_count());
-  std::uint32_t id = 0;
-  for (std::size_t m = 0; m < geometry.meshes().size(); ++m) {
-    const TriangleMesh& mesh = geometry.meshes()[m];
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i, ++id) {
-      const auto indices = mesh.triangles[i];
-      for (const std::uint32_t index : indices.values) {
-        if (index >= mesh.vertices.size()) {
-          fail(Error::index_out_of_range, "triangle %zu of mesh %zu names vertex %u, but there are only %zu",
-               i, m, index, mesh.vertices.size());
-        }
-        const auto [x, y, z] = mesh.vertices[index].values;
-        if (!is_finite({x, y, z})) {
-          fail(Error::non_finite_vertex, "vertex %u of mesh %zu, used by triangle %zu, is (%g, %g, %g)",
-               index, m, i, double{x}, double{y}, double{z});
-        }
-      }
-      const Triangle triangle = geometry.triangle(id);
-      if (is_degenerate(triangle)) {
-        ++input.degenerate_triangles;
-      } else {
-        input.references.emplace_back(bounds_of(triangle), id);
-      }
-    }
-  }
+  input.references.resize(geometry.triangle_count());
+  const ReferenceSummary summary = write_references(geometry, input.references.data());
+  input.references.resize(summary.count);
+  input.degenerate_triangles = summary.degenerate_triangles;
   return input;
 }
 

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <kerf/build.hpp>
 #include <vector>
+
+#include <kerf/build.hpp>
 
 #include "tree/geometry.hpp"
 #include "tree/reference.hpp"
@@ -13,13 +14,25 @@ namespace kerf {
 /// Throws `Error::invalid_argument`, which names the option that is out of its range.
 void check_options(const BuildOptions& options);
 
+struct ReferenceSummary {
+  std::uint32_t count = 0;
+  std::size_t degenerate_triangles = 0;
+  Box3f box;
+  Box3f doubled_centroids;  ///< bounds of lower plus upper corner of each reference
+};
+
+/// Writes one reference for each triangle of `geometry` that has an area to `references`, in the order of
+/// their numbers, on all threads of the task arena that this is called in. There must be room for
+/// `triangle_count()`. Throws `Error::index_out_of_range` or `Error::non_finite_vertex`, which name the first
+/// that is wrong.
+ReferenceSummary write_references(const Geometry& geometry, Reference* references);
+
 struct Input {
-  std::vector<Reference>
-      references;  ///< one for each triangle that has an area, in the order of their numbers
+  std::vector<Reference> references;
   std::size_t degenerate_triangles = 0;
 };
 
-/// Throws `Error::index_out_of_range` or `Error::non_finite_vertex`, which name the first that is wrong.
+/// The same into memory of their own.
 Input make_references(const Geometry& geometry);
 
 }  // namespace kerf

@@ -1,143 +1,204 @@
 #include "build/split_bvh_builder.hpp"
 
 #include <algorithm>
-#include <bit>
+#include <atomic>
 #include <cmath>
+#include <cstring>
+#include <memory>
+#include <new>
 
-#include "build/object_split.hpp"
-#include "build/spatial_split.hpp"
-#include "tree/metrics.hpp"
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
+#include "build/input.hpp"
+#include "build/progress.hpp"
+#include "build/subtree.hpp"
 
 namespace kerf {
 namespace {
 
-static_assert(triangle_cost == 1.0, "costs of splits count triangles");
+// A node with room for no more references than this becomes one task, which builds all that is under it.
+// Small enough that what the task writes stays in the second-level cache, large enough that there is next to
+// nothing to schedule.
+constexpr std::uint32_t task_capacity = 4096;
 
-// The references of a node stand in the arena from `begin` to `end`; from there to `limit` is room for those
-// that spatial splits below the node may make.
-struct Range {
-  std::uint32_t begin, end, limit;
+// Where one thread builds a subtree before it is stored. A subtree of n references has at most 2n - 1 nodes.
+struct Scratch {
+  std::unique_ptr<BinaryNode[]> nodes{new BinaryNode[2 * task_capacity]};
+  std::unique_ptr<std::uint32_t[]> references{new std::uint32_t[task_capacity]};
 
-  std::uint32_t count() const { return end - begin; }
-  std::uint32_t slack() const { return limit - end; }
+  static constexpr std::size_t bytes = task_capacity * (2 * sizeof(BinaryNode) + sizeof(std::uint32_t));
+};
+
+// A node above the tasks, or all that one task built.
+struct Part {
+  Box3f box;
+  std::unique_ptr<Part> left, right;   // null for a finished subtree, which is stored
+  const std::byte* stored = nullptr;   // as its nodes, then its references
+  std::unique_ptr<std::byte[]> spill;  // owns what is stored, where that did not fit into the arena
+  SubtreeSize size{};
 };
 
 class Driver {
  public:
-  Driver(const Geometry* geometry, std::vector<Reference>& arena, const BuildOptions& options)
-      : geometry_(geometry), arena_(arena), options_(options) {}
+  Driver(const BuildContext& context, const BuildOptions& options, std::uint32_t count)
+      : context_(context), progress_(options.progress, count) {}
 
-  BinaryTree build(std::uint32_t count) {
-    Box3f box;
-    for (std::uint32_t i = 0; i < count; ++i) box = merge(box, arena_[i].bounds());
-    root_half_area_ = half_area(box);
-    tree_.nodes.resize(1);
-    build_node(0, {0, count, static_cast<std::uint32_t>(arena_.size())}, 0);
-    return std::move(tree_);
+  BinaryTree build(const NodeInput& root, std::size_t arena_bytes) {
+    Part top;
+    build_part(top, root);
+    BinaryTree tree = assemble(top);
+    tree.build_peak_bytes = arena_bytes + scratch_.size() * Scratch::bytes + spilled_bytes_ +
+                            tree.nodes.capacity() * sizeof(BinaryNode) +
+                            tree.references.capacity() * sizeof(std::uint32_t);
+    return tree;
   }
 
  private:
-  void build_node(std::uint32_t node, Range range, std::uint32_t depth) {
-    const std::span<Reference> references(arena_.data() + range.begin, range.count());
-    Box3f box, centroids;
-    for (const Reference& reference : references) {
-      box = merge(box, reference.bounds());
-      centroids = merge(centroids, reference.lower + reference.upper);
+  void build_part(Part& part, const NodeInput& node) {
+    progress_.check();
+    part.box = node.box;
+    NodeInput left, right;
+    if (node.range.capacity() <= task_capacity || !split_node(context_, node, left, right)) {
+      return build_subtree_of(part, node);
     }
-    tree_.nodes[node].bounds = box;
-    if (range.count() == 1) return make_leaf(node, references);
+    part.left = std::make_unique<Part>();
+    part.right = std::make_unique<Part>();
+    tbb::parallel_invoke([&] { build_part(*part.left, left); }, [&] { build_part(*part.right, right); });
+  }
 
-    Range left, right;
-    const bool nothing_to_part = centroids.lower == centroids.upper;
-    if (nothing_to_part ||
-        depth + static_cast<std::uint32_t>(std::bit_width(range.count())) >= max_tree_depth) {
-      if (range.count() <= options_.max_leaf_size) return make_leaf(node, references);
-      hand_down(range, range.count() / 2, range.count() - range.count() / 2, left, right);
-    } else {
-      const ObjectSplit object_split = find_object_split(references, centroids);
-      SpatialSplit spatial_split;
-      if (overlap_calls_for_spatial_split(object_split) && range.slack() > 0) {
-        spatial_split = find_spatial_split(*geometry_, references, box, range.slack());
-      }
-      const auto leaf_is_cheapest = [&](float children_cost) {
-        const float split_cost = static_cast<float>(inner_node_cost) * half_area(box) + children_cost;
-        const float leaf_cost = half_area(box) * static_cast<float>(range.count());
-        return range.count() <= options_.max_leaf_size && leaf_cost <= split_cost;
-      };
-      if (leaf_is_cheapest(std::min(object_split.cost, spatial_split.cost)))
-        return make_leaf(node, references);
-
-      std::uint32_t left_count = 0, right_count = 0;
-      if (spatial_split.cost < object_split.cost) {
-        const SpatialPartition counts =
-            partition(*geometry_, references, arena_.data() + range.end, spatial_split);
-        left_count = counts.left_count;
-        right_count = counts.right_count;
-      }
-      if (left_count == 0 || right_count == 0) {  // no spatial split, or chopping left nothing on one side
-        if (leaf_is_cheapest(object_split.cost)) return make_leaf(node, references);
-        left_count = object_split.found() ? partition(references, object_split) : range.count() / 2;
-        right_count = range.count() - left_count;
-      }
-      hand_down(range, left_count, right_count, left, right);
+  // What was built takes the place of the references that it was built from, which nobody needs any more.
+  void build_subtree_of(Part& part, const NodeInput& node) {
+    Scratch& scratch = scratch_.local();
+    part.size = build_subtree(context_, node, scratch.nodes.get(), scratch.references.get());
+    const std::size_t node_bytes = part.size.nodes * sizeof(BinaryNode);
+    const std::size_t bytes = node_bytes + part.size.references * sizeof(std::uint32_t);
+    auto* place = reinterpret_cast<std::byte*>(context_.arena + node.range.begin);
+    if (bytes > node.range.capacity() * sizeof(Reference)) {
+      part.spill.reset(new std::byte[bytes]);
+      place = part.spill.get();
+      spilled_bytes_ += bytes;
     }
-    const auto child = static_cast<std::uint32_t>(tree_.nodes.size());
-    tree_.nodes.resize(tree_.nodes.size() + 2);
-    tree_.nodes[node].first = child;
-    build_node(child, left, depth + 1);
-    build_node(child + 1, right, depth + 1);
+    std::memcpy(place, scratch.nodes.get(), node_bytes);
+    std::memcpy(place + node_bytes, scratch.references.get(), bytes - node_bytes);
+    part.stored = place;
+    progress_.add(node.range.count());
   }
 
-  // Stich et al. 2009, section 4.5: where the children of the best object split hardly overlap, there is
-  // little for a spatial split to win.
-  bool overlap_calls_for_spatial_split(const ObjectSplit& split) const {
-    if (geometry_ == nullptr) return false;
-    if (!std::isfinite(root_half_area_)) return false;  // chopping could overflow: see math/clip.hpp
-    if (!split.found()) return true;
-    return half_area(intersect(split.left, split.right)) > options_.alpha * root_half_area_;
+  // A finished subtree, and where it goes. Its root stands beside its sibling, the rest of it together.
+  struct Job {
+    const Part* part;
+    std::uint32_t root, nodes, references;
+  };
+
+  BinaryTree assemble(const Part& top) {
+    BinaryTree tree;
+    std::vector<Job> jobs;
+    std::vector<std::pair<std::uint32_t, BinaryNode>> inner;
+    std::uint32_t nodes = 1, references = 0;
+    number(top, 0, nodes, references, jobs, inner);
+    tree.nodes.resize(nodes);
+    tree.references.resize(references);
+    for (const auto& [slot, node] : inner) tree.nodes[slot] = node;
+    tbb::parallel_for(std::size_t{0}, jobs.size(), [&](std::size_t i) { copy(jobs[i], tree); });
+    return tree;
   }
 
-  // Children share their parent's slack by their counts. The right one moves up to make room behind the left
-  // one; since order means nothing, only as many references move as there is room to make.
-  void hand_down(const Range& parent, std::uint32_t left_count, std::uint32_t right_count, Range& left,
-                 Range& right) {
-    const std::uint32_t used = parent.begin + left_count + right_count;
-    const auto slack = static_cast<std::uint64_t>(parent.limit - used);
-    const auto left_slack = static_cast<std::uint32_t>(slack * left_count / (left_count + right_count));
-    left = {parent.begin, parent.begin + left_count, parent.begin + left_count + left_slack};
-    const std::uint32_t moved = std::min(left_slack, right_count);
-    std::copy_n(arena_.begin() + left.end, moved, arena_.begin() + (left.limit + right_count - moved));
-    right = {left.limit, left.limit + right_count, parent.limit};
+  // In the order of a depth-first build on one thread, so that the tree is the same for any number of them.
+  void number(const Part& part, std::uint32_t slot, std::uint32_t& nodes, std::uint32_t& references,
+              std::vector<Job>& jobs, std::vector<std::pair<std::uint32_t, BinaryNode>>& inner) {
+    if (part.left == nullptr) {
+      jobs.push_back({&part, slot, nodes, references});
+      nodes += part.size.nodes - 1;
+      references += part.size.references;
+      return;
+    }
+    const std::uint32_t child = nodes;
+    inner.push_back({slot, {.bounds = part.box, .first = child, .count = 0}});
+    nodes += 2;
+    number(*part.left, child, nodes, references, jobs, inner);
+    number(*part.right, child + 1, nodes, references, jobs, inner);
   }
 
-  void make_leaf(std::uint32_t node, std::span<const Reference> references) {
-    tree_.nodes[node].first = static_cast<std::uint32_t>(tree_.references.size());
-    tree_.nodes[node].count = static_cast<std::uint32_t>(references.size());
-    for (const Reference& reference : references) tree_.references.push_back(reference.primitive);
+  static void copy(const Job& job, BinaryTree& tree) {
+    const SubtreeSize size = job.part->size;
+    const std::size_t node_bytes = size.nodes * sizeof(BinaryNode);
+    for (std::uint32_t i = 0; i < size.nodes; ++i) {
+      BinaryNode& node = tree.nodes[i == 0 ? job.root : job.nodes + i - 1];
+      std::memcpy(&node, job.part->stored + i * sizeof(BinaryNode), sizeof(BinaryNode));
+      node.first += node.is_leaf() ? job.references : job.nodes - 1;
+    }
+    std::memcpy(tree.references.data() + job.references, job.part->stored + node_bytes,
+                size.references * sizeof(std::uint32_t));
   }
 
-  const Geometry* geometry_;  // null: object splits only
-  std::vector<Reference>& arena_;
-  const BuildOptions& options_;
-  float root_half_area_ = 0.0f;
-  BinaryTree tree_;
+  const BuildContext& context_;
+  Progress progress_;
+  std::atomic<std::size_t> spilled_bytes_ = 0;
+  tbb::enumerable_thread_specific<Scratch> scratch_;
+};
+
+tbb::task_arena task_arena_of(const BuildOptions& options) {
+  return tbb::task_arena(options.threads == 0 ? tbb::task_arena::automatic
+                                              : static_cast<int>(options.threads));
+}
+
+// Spatial splits of smaller nodes are rarely found and gain little: trying them only here costs 0.1 % of the
+// surface-area cost on sponza and saves half the time (docs/decisions.md). With an alpha of 0, all are tried.
+constexpr std::uint32_t worthwhile_count = 64;
+constexpr float worthwhile_overlap = 0.1f;
+
+struct FreeAligned {
+  void operator()(Reference* memory) const { ::operator delete (memory, std::align_val_t{64}); }
 };
 
 }  // namespace
 
-BinaryTree build_object_split_tree(std::vector<Reference> references, const BuildOptions& options) {
-  if (references.empty()) return {};
-  return Driver(nullptr, references, options).build(static_cast<std::uint32_t>(references.size()));
+BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& options) {
+  if (geometry.triangle_count() == 0) return {};
+  const bool spatial = options.builder == Builder::sbvh && options.alpha < 1.0f;
+  const double ratio = spatial ? double{options.max_reference_ratio} : 1.0;
+  const auto room = static_cast<std::size_t>(static_cast<double>(geometry.triangle_count()) * ratio);
+  const std::unique_ptr<Reference, FreeAligned> arena(
+      static_cast<Reference*>(::operator new (room * sizeof(Reference), std::align_val_t{64})));
+  return task_arena_of(options).execute([&]() -> BinaryTree {
+    const ReferenceSummary input = write_references(geometry, arena.get());
+    BinaryTree tree;
+    if (input.count != 0) {
+      const float root_area = half_area(input.box);
+      // Chopping could overflow where not even the area is finite: see math/clip.hpp.
+      const bool can_chop = spatial && std::isfinite(root_area);
+      const BuildContext context{.geometry = can_chop ? &geometry : nullptr,
+                                 .arena = arena.get(),
+                                 .max_leaf_size = options.max_leaf_size,
+                                 .absolute_overlap = options.alpha * root_area,
+                                 .relative_overlap = options.alpha > 0.0f ? worthwhile_overlap : 0.0f,
+                                 .spatial_minimum = options.alpha > 0.0f ? worthwhile_count : 2};
+      const auto limit = static_cast<std::uint32_t>(static_cast<double>(input.count) * ratio);
+      tree = Driver(context, options, input.count)
+                 .build({{0, input.count, limit}, 0, input.box, input.doubled_centroids},
+                        room * sizeof(Reference));
+    }
+    tree.degenerate_triangles = input.degenerate_triangles;
+    return tree;
+  });
 }
 
-BinaryTree build_split_tree(const Geometry& geometry, std::vector<Reference> references,
-                            const BuildOptions& options) {
+BinaryTree build_object_split_tree(std::vector<Reference> references, const BuildOptions& options) {
   if (references.empty()) return {};
-  if (options.alpha >= 1.0f) return build_object_split_tree(std::move(references), options);
   const auto count = static_cast<std::uint32_t>(references.size());
-  references.resize(
-      static_cast<std::size_t>(static_cast<double>(count) * double{options.max_reference_ratio}));
-  return Driver(&geometry, references, options).build(count);
+  NodeInput root{{0, count, count}, 0, {}, {}};
+  for (const Reference& reference : references) {
+    root.box = merge(root.box, reference.bounds());
+    root.doubled_centroids = merge(root.doubled_centroids, reference.lower + reference.upper);
+  }
+  const BuildContext context{.arena = references.data(),
+                             .max_leaf_size = options.max_leaf_size,
+                             .spatial_minimum = worthwhile_count};
+  return task_arena_of(options).execute(
+      [&] { return Driver(context, options, count).build(root, references.capacity() * sizeof(Reference)); });
 }
 
 }  // namespace kerf

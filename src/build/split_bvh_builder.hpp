@@ -2,8 +2,9 @@
 // case.
 #pragma once
 
-#include <kerf/build.hpp>
 #include <vector>
+
+#include <kerf/build.hpp>
 
 #include "tree/binary_tree.hpp"
 #include "tree/geometry.hpp"
@@ -11,12 +12,12 @@
 
 namespace kerf {
 
-/// Builds over `references` by object splits alone: for `Builder::bvh`, and behind pre-splitting. Of
-/// `options`, uses the leaf size, the threads and the progress.
-BinaryTree build_object_split_tree(std::vector<Reference> references, const BuildOptions& options);
+/// Builds `Builder::sbvh` or, without spatial splits, `Builder::bvh` over all triangles of `geometry`. Throws
+/// as `kerf::build` does, but for memory, when it throws std::bad_alloc.
+BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& options);
 
-/// Builds by object and spatial splits; `references` are whole triangles of `geometry`.
-BinaryTree build_split_tree(const Geometry& geometry, std::vector<Reference> references,
-                            const BuildOptions& options);
+/// Builds over `references` by object splits alone: behind pre-splitting. Of `options`, uses the leaf size,
+/// the threads and the progress.
+BinaryTree build_object_split_tree(std::vector<Reference> references, const BuildOptions& options);
 
 }  // namespace kerf

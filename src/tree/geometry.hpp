@@ -23,6 +23,11 @@ class Geometry {
   /// Triangle `id` of `0 .. triangle_count() - 1`; its indices must be in range.
   Triangle triangle(std::uint32_t id) const {
     const auto [mesh, primitive] = locate(id);
+    return triangle_of(mesh, primitive);
+  }
+
+  /// Triangle `primitive` of mesh `mesh`.
+  Triangle triangle_of(std::uint32_t mesh, std::uint32_t primitive) const {
     const auto [a, b, c] = meshes_[mesh].triangles[primitive].values;
     const auto& vertices = meshes_[mesh].vertices;
     return {vertex(vertices, a), vertex(vertices, b), vertex(vertices, c)};

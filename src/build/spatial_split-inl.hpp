@@ -1,0 +1,341 @@
+// Spatial splits: a plane parts the node, and references that straddle it go to both children (Stich,
+// Friedrich & Dietrich 2009, section 4). Included once for each instruction set: see subtree.cpp.
+
+#if defined(KERF_BUILD_SPATIAL_SPLIT_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_BUILD_SPATIAL_SPLIT_INL
+#undef KERF_BUILD_SPATIAL_SPLIT_INL
+#else
+#define KERF_BUILD_SPATIAL_SPLIT_INL
+#endif
+
+#include "build/object_split-inl.hpp"
+#include "math/clip.hpp"
+#include "tree/geometry.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+
+constexpr int spatial_bin_count = 32;
+
+// The plane of each axis that is cheapest when boxes are chopped is looked at again with the triangles
+// chopped, unless even so it costs this many times the object split. Without the limit three times as many
+// triangles are chopped for a surface-area cost that differs by less than 0.1 %.
+constexpr float worth_chopping = 1.2f;
+
+// References with x = (lower - origin) * scale < plane number begin left of the plane, those with
+// (upper - origin) * scale > plane number end right of it.
+struct SpatialSplit {
+  float cost = infinity;  // as that of an object split
+  int axis = 0;
+  float origin = 0.0f, scale = 0.0f;
+  float plane_number = 0.0f;
+  float plane = 0.0f;
+  float left_count = 0.0f, right_count = 0.0f;
+  ChildBoxes boxes{};
+
+  enum Side { left, both, right };
+
+  HWY_INLINE Side side_of(const Reference& reference) const {
+    const bool begins_left = ((&reference.lower.x)[axis] - origin) * scale < plane_number;
+    const bool ends_right = ((&reference.upper.x)[axis] - origin) * scale > plane_number;
+    return !begins_left ? right : ends_right ? both : left;
+  }
+};
+
+HWY_INLINE float half_area_of(const SimdBox& box) {
+  alignas(16) float areas[4];
+  hn::Store(half_areas(box, box, box), four, areas);
+  return areas[0];
+}
+
+// Corners without a negative zero: instruction sets disagree about which zero is the lesser.
+HWY_INLINE Vec4 load_corner(const TripleView<float>& vertices, std::uint32_t index) {
+  const std::byte* const at = vertices.data() + index * vertices.stride();
+  Vec4 corner;
+  if (index + 1 < vertices.size() && vertices.stride() >= 4) {  // a fourth float can be read
+    corner = hn::LoadU(four, reinterpret_cast<const float*>(at));
+  } else {
+    alignas(16) float copy[4] = {};
+    std::memcpy(copy, at, 3 * sizeof(float));
+    corner = hn::Load(four, copy);
+  }
+  return hn::Add(corner, hn::Zero(four));
+}
+
+// As `chop` in math/clip.hpp, whose comments explain it; but the three edges are treated alike, without a
+// branch.
+HWY_NOINLINE ChildBoxes chop(const Geometry& geometry, const Reference& reference, int axis, float plane) {
+  const auto [mesh, primitive] = geometry.locate(reference.primitive);
+  const TriangleMesh& m = geometry.meshes()[mesh];
+  const auto [i0, i1, i2] = m.triangles[primitive].values;
+  const Vec4 corners[3] = {load_corner(m.vertices, i0), load_corner(m.vertices, i1),
+                           load_corner(m.vertices, i2)};
+  alignas(16) float along[3][4];
+  for (int i = 0; i < 3; ++i) hn::Store(corners[i], four, along[i]);
+
+  SimdBox left = empty_box(), right = left;
+  for (int i = 0; i < 3; ++i) {
+    const int j = i == 2 ? 0 : i + 1;
+    const float a = along[i][axis], b = along[j][axis];
+    const SimdBox corner = from_halves(corners[i], hn::Neg(corners[i]));
+    left = merge_if_not(box_mask(plane, a), left, corner);
+    right = merge_if_not(box_mask(a, plane), right, corner);
+
+    const Vec4 t = hn::Set(four, (plane - a) / (b - a));
+    const Vec4 at = hn::Add(corners[i], hn::Mul(t, hn::Sub(corners[j], corners[i])));
+    const Vec4 margin =
+        hn::Add(hn::Mul(hn::Set(four, chop_rounding), hn::Max(hn::Abs(corners[i]), hn::Abs(corners[j]))),
+                hn::Set(four, std::numeric_limits<float>::min()));
+    const SimdBox crossing =
+        from_halves(hn::Max(hn::Sub(at, margin), hn::Min(corners[i], corners[j])),
+                    hn::Neg(hn::Min(hn::Add(at, margin), hn::Max(corners[i], corners[j]))));
+    const bool crosses = (a < plane && plane < b) || (b < plane && plane < a);
+    const BoxMask mask = box_mask(0.0f, crosses ? 1.0f : 0.0f);
+    left = merge_if(mask, left, crossing);
+    right = merge_if(mask, right, crossing);
+  }
+  const SimdBox box = load_box(reference);
+  const auto on_axis = hn::Eq(hn::Iota(four, 0.0f), hn::Set(four, static_cast<float>(axis)));
+  const Vec4 nowhere = hn::Set(four, -infinity);
+  const SimdBox left_of_plane = from_halves(nowhere, hn::IfThenElse(on_axis, hn::Set(four, -plane), nowhere));
+  const SimdBox right_of_plane = from_halves(hn::IfThenElse(on_axis, hn::Set(four, plane), nowhere), nowhere);
+  return {intersect(intersect(left, left_of_plane), box), intersect(intersect(right, right_of_plane), box)};
+}
+
+// Chopped binning in two steps. In the first, a reference adds its box to the bin in which it begins and to
+// the one in which it ends; a plane then bounds its left side by all that begins left of it, cut off at the
+// plane, and its right side likewise. That is chopping boxes, and it takes no longer for a reference in many
+// bins than for one in a single bin. In the second, the triangles themselves are chopped, but at the best
+// plane of each axis alone.
+struct SpatialBins {
+  alignas(32) float begins[spatial_bin_count][3][8];
+  alignas(32) float ends[spatial_bin_count][3][8];
+  alignas(16) std::int32_t begin_counts[spatial_bin_count][4];
+  alignas(16) std::int32_t end_counts[spatial_bin_count][4];
+
+  HWY_INLINE void clear() {
+    const SimdBox none = empty_box();
+    for (int i = 0; i < spatial_bin_count; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        store_bin(none, begins[i][axis]);
+        store_bin(none, ends[i][axis]);
+      }
+      hn::Store(hn::Zero(four_ints), four_ints, begin_counts[i]);
+      hn::Store(hn::Zero(four_ints), four_ints, end_counts[i]);
+    }
+  }
+};
+
+HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint32_t count,
+                     const BinMapping& mapping) {
+  const Vec4 origin = hn::Load(four, mapping.origin), scale = hn::Load(four, mapping.scale);
+  const Vec4 last_bin = hn::Set(four, static_cast<float>(spatial_bin_count - 1));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const SimdBox box = load_box(references[i]);
+    const Vec4 begin = hn::Mul(hn::Sub(lower_of(box), origin), scale);
+    const Vec4 end = hn::Mul(hn::Sub(hn::Neg(negated_upper_of(box)), origin), scale);
+    // A box that ends on a plane does not reach into the bin behind it.
+    const Vec4 first = hn::Min(hn::Floor(begin), last_bin);
+    const Vec4 last = hn::Min(hn::Max(hn::Sub(hn::Ceil(end), hn::Set(four, 1.0f)), first), last_bin);
+    alignas(16) std::int32_t first_bin[4], end_bin[4];
+    hn::Store(hn::ConvertTo(four_ints, first), four_ints, first_bin);
+    hn::Store(hn::ConvertTo(four_ints, last), four_ints, end_bin);
+    for (int axis = 0; axis < 3; ++axis) {
+      float* const begin_slot = bins.begins[first_bin[axis]][axis];
+      float* const end_slot = bins.ends[end_bin[axis]][axis];
+      store_bin(merge(load_bin(begin_slot), box), begin_slot);
+      store_bin(merge(load_bin(end_slot), box), end_slot);
+      ++bins.begin_counts[first_bin[axis]][axis];
+      ++bins.end_counts[end_bin[axis]][axis];
+    }
+  }
+}
+
+HWY_INLINE float plane_at(const Box3f& box, int axis, int number) {
+  return box.lower[axis] + (box.upper[axis] - box.lower[axis]) *
+                               (static_cast<float>(number) / static_cast<float>(spatial_bin_count));
+}
+
+// Cuts three boxes, one an axis, at plane `number` of their axes.
+struct ThreeBoxes {
+  SimdBox x, y, z;
+};
+HWY_INLINE ThreeBoxes beside_planes(const Box3f& box, int number, bool is_left) {
+  SimdBox cuts[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    alignas(16) float half[4] = {-infinity, -infinity, -infinity, -infinity};
+    half[axis] = is_left ? -plane_at(box, axis, number) : plane_at(box, axis, number);
+    const Vec4 nowhere = hn::Set(four, -infinity);
+    cuts[axis] =
+        is_left ? from_halves(nowhere, hn::Load(four, half)) : from_halves(hn::Load(four, half), nowhere);
+  }
+  return {cuts[0], cuts[1], cuts[2]};
+}
+
+// The best plane of each axis with boxes chopped. Only planes that make at most `slack` references more
+// count.
+struct PlaneCandidates {
+  float costs[3];
+  int numbers[3];
+};
+HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3f& box, std::uint32_t count,
+                                           std::uint32_t slack) {
+  alignas(16) float right_areas[spatial_bin_count][4];
+  SimdBox x = empty_box(), y = x, z = x;
+  for (int i = spatial_bin_count - 1; i > 0; --i) {
+    x = merge(x, load_bin(bins.ends[i][0]));
+    y = merge(y, load_bin(bins.ends[i][1]));
+    z = merge(z, load_bin(bins.ends[i][2]));
+    const ThreeBoxes cut = beside_planes(box, i, false);
+    hn::Store(half_areas(intersect(x, cut.x), intersect(y, cut.y), intersect(z, cut.z)), four,
+              right_areas[i]);
+  }
+  x = y = z = empty_box();
+  auto left = hn::Zero(four_ints), right = hn::Set(four_ints, static_cast<std::int32_t>(count));
+  const Vec4 most = hn::Set(four, static_cast<float>(count) + static_cast<float>(slack));
+  Vec4 best_cost = hn::Set(four, infinity), best_number = hn::Zero(four);
+  for (int i = 1; i < spatial_bin_count; ++i) {
+    x = merge(x, load_bin(bins.begins[i - 1][0]));
+    y = merge(y, load_bin(bins.begins[i - 1][1]));
+    z = merge(z, load_bin(bins.begins[i - 1][2]));
+    const ThreeBoxes cut = beside_planes(box, i, true);
+    left = hn::Add(left, hn::Load(four_ints, bins.begin_counts[i - 1]));
+    right = hn::Sub(right, hn::Load(four_ints, bins.end_counts[i - 1]));
+    const Vec4 left_count = hn::ConvertTo(four, left), right_count = hn::ConvertTo(four, right);
+    const Vec4 cost = hn::Add(
+        hn::Mul(half_areas(intersect(x, cut.x), intersect(y, cut.y), intersect(z, cut.z)), left_count),
+        hn::Mul(hn::Load(four, right_areas[i]), right_count));
+    const auto better = hn::And(hn::Lt(cost, best_cost), hn::Le(hn::Add(left_count, right_count), most));
+    best_cost = hn::IfThenElse(better, cost, best_cost);
+    best_number = hn::IfThenElse(better, hn::Set(four, static_cast<float>(i)), best_number);
+  }
+  alignas(16) float costs[4], numbers[4];
+  hn::Store(best_cost, four, costs);
+  hn::Store(best_number, four, numbers);
+  PlaneCandidates candidates;
+  for (int axis = 0; axis < 3; ++axis) {
+    candidates.costs[axis] = costs[axis];
+    candidates.numbers[axis] = static_cast<int>(numbers[axis]);
+  }
+  return candidates;
+}
+
+// What a plane costs when the triangles that straddle it are chopped.
+HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& bins,
+                                const Reference* references, std::uint32_t count, const Box3f& box,
+                                const BinMapping& mapping, int axis, int number) {
+  SpatialSplit split;
+  split.axis = axis;
+  split.origin = mapping.origin[axis];
+  split.scale = mapping.scale[axis];
+  split.plane_number = static_cast<float>(number);
+  split.plane = plane_at(box, axis, number);
+  SimdBox left = empty_box(), right = left;
+  std::int32_t left_count = 0, right_count = 0;
+  for (int i = 0; i < number; ++i) {  // those wholly on the left end there
+    left = merge(left, load_bin(bins.ends[i][axis]));
+    left_count += bins.end_counts[i][axis];
+  }
+  for (int i = number; i < spatial_bin_count; ++i) {
+    right = merge(right, load_bin(bins.begins[i][axis]));
+    right_count += bins.begin_counts[i][axis];
+  }
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (split.side_of(references[i]) != SpatialSplit::both) continue;
+    const ChildBoxes parts = chop(geometry, references[i], axis, split.plane);
+    if (!is_empty(parts.left)) {
+      left = merge(left, parts.left);
+      ++left_count;
+    }
+    if (!is_empty(parts.right)) {
+      right = merge(right, parts.right);
+      ++right_count;
+    }
+  }
+  if (left_count == 0 || right_count == 0) return split;
+  split.left_count = static_cast<float>(left_count);
+  split.right_count = static_cast<float>(right_count);
+  split.boxes = {left, right};
+  split.cost = half_area_of(left) * split.left_count + half_area_of(right) * split.right_count;
+  return split;
+}
+
+HWY_NOINLINE SpatialSplit find_spatial_split(const Geometry& geometry, const Reference* references,
+                                           const Range& range, const Box3f& box, float object_split_cost) {
+  SpatialBins bins;
+  bins.clear();
+  const BinMapping mapping(box, spatial_bin_count);
+  fill(bins, references, range.count(), mapping);
+  const PlaneCandidates candidates = cheapest_planes(bins, box, range.count(), range.slack());
+  SpatialSplit best;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(candidates.costs[axis] < worth_chopping * object_split_cost) || mapping.scale[axis] == 0.0f)
+      continue;
+    const SpatialSplit split =
+        chop_at(geometry, bins, references, range.count(), box, mapping, axis, candidates.numbers[axis]);
+    if (split.cost < best.cost) best = split;
+  }
+  return best;
+}
+
+// Carries `split` out in place: references of the left child come first, those of the right follow, and run
+// on into the slack where straddling references are divided. A straddling one is kept whole on one side if
+// that costs less (reference unsplitting, section 4.4 of the paper).
+struct SpatialPartition {
+  std::uint32_t left_count, right_count;
+};
+
+HWY_NOINLINE SpatialPartition partition(const Geometry& geometry, Reference* references, std::uint32_t count,
+                                      const SpatialSplit& split) {
+  // Both children as they would be if every straddling reference were divided; unsplitting grows the one and
+  // takes from the other.
+  SimdBox left_box = split.boxes.left, right_box = split.boxes.right;
+  float left_count = split.left_count, right_count = split.right_count;
+  std::uint32_t left_end = 0, right_begin = count, spare = count;
+  while (left_end < right_begin) {
+    Reference& reference = references[left_end];
+    SpatialSplit::Side side = split.side_of(reference);
+    if (side == SpatialSplit::both) {
+      const ChildBoxes parts = chop(geometry, reference, split.axis, split.plane);
+      if (is_empty(parts.right)) {
+        side = SpatialSplit::left;
+      } else if (is_empty(parts.left)) {
+        side = SpatialSplit::right;
+      } else {
+        const SimdBox box = load_box(reference);
+        const SimdBox grown_left = merge(left_box, box), grown_right = merge(right_box, box);
+        const float left_area = half_area_of(left_box), right_area = half_area_of(right_box);
+        const float divided = left_area * left_count + right_area * right_count;
+        const float whole_left = half_area_of(grown_left) * left_count + right_area * (right_count - 1.0f);
+        const float whole_right = left_area * (left_count - 1.0f) + half_area_of(grown_right) * right_count;
+        if (right_count > 1.0f && whole_left <= divided && whole_left <= whole_right) {
+          left_box = grown_left;
+          right_count -= 1.0f;
+          side = SpatialSplit::left;
+        } else if (left_count > 1.0f && whole_right <= divided) {
+          right_box = grown_right;
+          left_count -= 1.0f;
+          side = SpatialSplit::right;
+        } else {
+          const std::uint32_t primitive = reference.primitive;
+          store_reference(parts.right, primitive, references[spare++]);
+          store_reference(parts.left, primitive, reference);
+          side = SpatialSplit::left;
+        }
+      }
+    }
+    if (side == SpatialSplit::left) {
+      ++left_end;
+    } else {
+      std::swap(reference, references[--right_begin]);
+    }
+  }
+  return {left_end, spare - left_end};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#endif  // per target
