@@ -1,12 +1,12 @@
 #include "workbench/render.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <numbers>
 #include <optional>
+
+#include <tbb/parallel_for.h>
 
 #include "math/box3f.hpp"
 #include "math/vec3f.hpp"
@@ -18,19 +18,22 @@ namespace {
 
 using namespace kerf;
 
-// As for the ambient-occlusion rays that are measured (design, section 6): a quarter of the scene's diagonal.
+// As for the ambient-occlusion rays that are measured (design, section 6), in diagonals of the scene.
 constexpr float ambient_reach = 0.25f;
+// In shaded pictures, shorter: rooms smaller than the reach would lie in the dark.
+constexpr float shading_reach = 0.06f;
 // How far a secondary ray starts above its surface, in scene diagonals: well above the rounding of a hit
 // point.
 constexpr float lift = 1e-5f;
 
 // Linear light. A warm sun, a blue sky and a little light from the camera, so that closed rooms are not
 // black.
-constexpr Vec3f clay{0.76f, 0.74f, 0.71f};
-constexpr Vec3f sun_light{1.65f, 1.45f, 1.15f};
-constexpr Vec3f sky_light{0.62f, 0.70f, 0.82f};
-constexpr Vec3f ground_light{0.40f, 0.36f, 0.32f};
-constexpr Vec3f camera_light{0.30f, 0.29f, 0.28f};
+constexpr Vec3f clay{0.64f, 0.61f, 0.57f};
+constexpr Vec3f sun_light{1.55f, 1.28f, 0.95f};
+constexpr Vec3f sky_light{0.40f, 0.47f, 0.58f};
+constexpr Vec3f ground_light{0.22f, 0.18f, 0.14f};
+constexpr Vec3f camera_light{0.13f, 0.12f, 0.11f};
+constexpr Vec3f bounced_light{0.07f, 0.055f, 0.04f};  // what reaches corners from the surfaces around them
 constexpr Vec3f zenith{0.30f, 0.47f, 0.74f};
 constexpr Vec3f horizon{0.86f, 0.91f, 0.96f};
 
@@ -83,8 +86,8 @@ class Studio {
     return Surface{ray.origin + hit->t * ray.direction + lift * diagonal_ * normal, normal, hit->t};
   }
 
-  // The part of the cosine-weighted hemisphere that is open within the reach of ambient occlusion.
-  float openness(const Surface& surface, unsigned samples, RandomNumbers& random) const {
+  // The part of the cosine-weighted hemisphere that is open within `reach` diagonals.
+  float openness(const Surface& surface, float reach, unsigned samples, RandomNumbers& random) const {
     const Frame frame = frame_around(surface.normal);
     const float turn = random.uniform();
     unsigned open = 0;
@@ -93,7 +96,7 @@ class Studio {
       const float angle = 2.0f * std::numbers::pi_v<float> * (turn + 0.61803399f * static_cast<float>(i));
       const float r = std::sqrt(r2), z = std::sqrt(1.0f - r2);
       const Vec3f direction = r * std::cos(angle) * frame.x + r * std::sin(angle) * frame.y + z * frame.z;
-      open += !bvh_.occluded({surface.point, direction, 0.0f, ambient_reach * diagonal_});
+      open += !bvh_.occluded({surface.point, direction, 0.0f, reach * diagonal_});
     }
     return static_cast<float>(open) / static_cast<float>(samples);
   }
@@ -105,14 +108,15 @@ class Studio {
   }
 
   Vec3f shade(const Surface& surface, const Vec3f& view, unsigned samples, RandomNumbers& random) const {
-    const float open = openness(surface, samples, random);
+    const float open = openness(surface, shading_reach, samples, random);
     const float upward = 0.5f + 0.5f * dot(surface.normal, up_);
-    Vec3f light = open * mix(ground_light, sky_light, upward) +
-                  open * std::abs(dot(surface.normal, view)) * camera_light;
+    const Vec3f dome =
+        mix(ground_light, sky_light, upward) + std::abs(dot(surface.normal, view)) * camera_light;
+    Vec3f light = mix(bounced_light, dome, open);
     const float facing = dot(surface.normal, sun_);
     if (facing > 0.0f && !bvh_.occluded({surface.point, sun_})) light = light + facing * sun_light;
     const float haze = 1.0f - std::exp(-0.35f * surface.distance / diagonal_);
-    return mix(multiply(clay, light), horizon, 0.5f * haze);
+    return mix(multiply(clay, light), horizon, 0.15f * haze);
   }
 
  private:
@@ -182,7 +186,8 @@ Image render_ambient_occlusion(const Scene& scene, const Bvh& bvh, const Viewpoi
   return render(viewpoint, options, [&](const Ray& ray, RandomNumbers& random) {
     const auto surface = studio.hit(ray);
     // 2 comes out of `develop` all but white.
-    const float light = surface ? 2.0f * studio.openness(*surface, options.ambient_samples, random) : 2.0f;
+    const float light =
+        surface ? 2.0f * studio.openness(*surface, ambient_reach, options.ambient_samples, random) : 2.0f;
     return Vec3f{light, light, light};
   });
 }

@@ -41,6 +41,7 @@ struct Report {
 std::string render_html(const Report& report);
 
 /// Renders every hierarchy from the scene's first viewpoint. The heat views share one scale.
-ReportScene make_report_scene(const Scene& scene, const Comparison& comparison);
+ReportScene make_report_scene(const Scene& scene, const Comparison& comparison, std::size_t width,
+                              std::size_t height);
 
 }  // namespace workbench

@@ -1,11 +1,11 @@
 #include "workbench/report_machine.hpp"
 
-#include <fmt/format.h>
-#include <sys/utsname.h>
-
 #include <fstream>
 #include <string_view>
 #include <thread>
+
+#include <fmt/format.h>
+#include <sys/utsname.h>
 
 namespace workbench {
 namespace {

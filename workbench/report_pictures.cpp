@@ -4,21 +4,13 @@
 #include "workbench/report.hpp"
 
 namespace workbench {
-namespace {
-
-// Four pictures side by side on a wide screen, sharp on one of twice the density.
-constexpr std::size_t picture_width = 640;
-constexpr std::size_t picture_height = 400;
-
-}  // namespace
-
-ReportScene make_report_scene(const Scene& scene, const Comparison& comparison) {
+ReportScene make_report_scene(const Scene& scene, const Comparison& comparison, std::size_t width,
+                              std::size_t height) {
   const Viewpoint& viewpoint = scene.viewpoints.front();
-  const RenderOptions options{
-      .width = picture_width, .height = picture_height, .samples = 2, .ambient_samples = 4};
+  const RenderOptions options{.width = width, .height = height, .samples = 2, .ambient_samples = 4};
   std::vector<HeatMap> maps;
   for (const kerf::Bvh& bvh : comparison.hierarchies) {
-    maps.push_back(trace_heat(bvh, viewpoint, picture_width, picture_height));
+    maps.push_back(trace_heat(bvh, viewpoint, width, height));
   }
   ReportScene result{.figures = comparison.figures, .pictures = {}, .heat_scale = common_scale(maps)};
   for (std::size_t i = 0; i < maps.size(); ++i) {

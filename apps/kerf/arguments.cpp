@@ -1,12 +1,12 @@
 #include "arguments.hpp"
 
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
-#include <kerf/error.hpp>
 #include <string_view>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <kerf/error.hpp>
 
 #include "workbench/compare.hpp"
 #include "workbench/scene_spec.hpp"

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <cstddef>
-#include <kerf/build.hpp>
-#include <kerf/error.hpp>
 #include <new>
 #include <string>
 #include <vector>
+
+#include <kerf/build.hpp>
+#include <kerf/error.hpp>
 
 #include "workbench/scene.hpp"
 

@@ -3,8 +3,9 @@
 // A command throws `CLI::ValidationError` for bad usage and `kerf::Error` for all else; `main` reports both.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
+
+#include <CLI/CLI.hpp>
 
 namespace kerf_tool {
 

@@ -12,17 +12,13 @@ struct Options {
   std::vector<std::string> scenes;
   std::string builders = "bvh,sbvh,esc,evh";
   std::string alpha = "1e-5";
-  std::string threads = "0";
-  std::string json;
-  std::string report;
+  MeasureOptions measuring;
 };
 
 void run(const Options& options, const std::string& command_line) {
   Measurement measurement{.specs = options.scenes,
                           .contenders = {},
-                          .threads = parse_whole("--threads", options.threads, 0, most_threads),
-                          .json = options.json,
-                          .report = options.report,
+                          .options = options.measuring,
                           .command_line = command_line,
                           .format_table = workbench::format_comparison};
   const float alpha = parse_alpha("--alpha", options.alpha);
@@ -43,11 +39,7 @@ void add_compare_command(CLI::App& app, const std::string& command_line) {
       ->capture_default_str();
   command->add_option("--alpha", options->alpha, "Least overlap for which a spatial split is tried, 0 to 1")
       ->capture_default_str();
-  command->add_option("--threads", options->threads, "Threads that build and trace; 0 is all there are")
-      ->capture_default_str();
-  command->add_option("--json", options->json,
-                      "Write all figures as JSON to this file, - is standard output");
-  command->add_option("--report", options->report, "Write index.html with tables, charts and pictures here");
+  add_options(*command, options->measuring);
   command->callback([options, command_line] { run(*options, command_line); });
 }
 

@@ -1,11 +1,11 @@
 // kerf, the command-line tool. Exit status: 0; 1 with one line on standard error; 2 for bad usage.
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
-#include <kerf/error.hpp>
 #include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <kerf/error.hpp>
 
 #include "commands.hpp"
 

@@ -4,18 +4,30 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "workbench/compare.hpp"
 #include "workbench/report.hpp"
 #include "workbench/table.hpp"
 
 namespace kerf_tool {
 
+/// The options that `compare` and `sweep` share, as the user wrote them.
+struct MeasureOptions {
+  std::string threads = "0";
+  std::string pixels = "256x192";
+  std::string rounds;  ///< empty: as many as are needed
+  std::string pictures = "640x400";
+  std::string json;    ///< file, `-` for standard output, or empty for none
+  std::string report;  ///< directory, or empty for none
+};
+
+void add_options(CLI::App& command, MeasureOptions& options);
+
 struct Measurement {
   std::vector<std::string> specs;
   std::vector<workbench::Contender> contenders;
-  unsigned threads = 0;  ///< 0 is all there are
-  std::string json;      ///< file, `-` for standard output, or empty for none
-  std::string report;    ///< directory, or empty for none
+  MeasureOptions options;
   workbench::Report::Kind kind = workbench::Report::Kind::comparison;
   std::string command_line;
   std::string (*format_table)(const workbench::SceneFigures&, workbench::Emphasis) = nullptr;

@@ -1,14 +1,14 @@
 #include "output.hpp"
 
-#include <fmt/format.h>
-
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <kerf/error.hpp>
 #include <memory>
 #include <system_error>
+
+#include <fmt/format.h>
+#include <kerf/error.hpp>
 
 namespace kerf_tool {
 namespace {

@@ -1,7 +1,7 @@
-#include <fmt/format.h>
-
-#include <kerf/kerf.hpp>
 #include <memory>
+
+#include <fmt/format.h>
+#include <kerf/kerf.hpp>
 
 #include "arguments.hpp"
 #include "commands.hpp"

@@ -1,6 +1,6 @@
-#include <fmt/format.h>
-
 #include <memory>
+
+#include <fmt/format.h>
 
 #include "arguments.hpp"
 #include "commands.hpp"
@@ -14,17 +14,13 @@ namespace {
 struct Options {
   std::string scene;
   std::string alphas = "1,1e-1,1e-2,1e-3,1e-4,1e-5,1e-6,1e-7,0";
-  std::string threads = "0";
-  std::string json;
-  std::string report;
+  MeasureOptions measuring;
 };
 
 void run(const Options& options, const std::string& command_line) {
   Measurement measurement{.specs = {options.scene},
                           .contenders = {},
-                          .threads = parse_whole("--threads", options.threads, 0, most_threads),
-                          .json = options.json,
-                          .report = options.report,
+                          .options = options.measuring,
                           .kind = workbench::Report::Kind::sweep,
                           .command_line = command_line,
                           .format_table = workbench::format_sweep};
@@ -43,12 +39,7 @@ void add_sweep_command(CLI::App& app, const std::string& command_line) {
   command->add_option("SCENE", options->scene, scene_help)->required();
   command->add_option("--alphas", options->alphas, "Values from 0 to 1, separated by commas")
       ->capture_default_str();
-  command->add_option("--threads", options->threads, "Threads that build and trace; 0 is all there are")
-      ->capture_default_str();
-  command->add_option("--json", options->json,
-                      "Write all figures as JSON to this file, - is standard output");
-  command->add_option("--report", options->report,
-                      "Write index.html with the table, charts and pictures here");
+  add_options(*command, options->measuring);
   command->callback([options, command_line] { run(*options, command_line); });
 }
 

@@ -24,7 +24,7 @@
     data: { labels, datasets },
     options: {
       datasets: { bar: { categoryPercentage: 0.78, barPercentage: 0.92, borderRadius: 2 } },
-      scales: { x: { grid: { display: false } }, y: { beginAtZero: true, title: { display: !!unit, text: unit } } },
+      scales: { x: { grid: { display: false }, ticks: { maxRotation: 0 } }, y: { beginAtZero: true, title: { display: !!unit, text: unit } } },
     },
   });
 
@@ -47,7 +47,7 @@
 
   const kinds = {
     tree(scene) {
-      const measures = [['SAH', 'sah'], ['EPO', 'epo'], ['LCV', 'lcv'], ['references', 'references'], ['nodes', 'nodes']];
+      const measures = [['SAH', 'sah'], ['EPO', 'epo'], ['LCV', 'lcv'], ['refs', 'references'], ['nodes', 'nodes']];
       return bars(
         measures.map(([title]) => title),
         scene.builders.map((b, i) => ({
