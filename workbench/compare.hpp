@@ -4,11 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <functional>
-#include <kerf/build.hpp>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <kerf/build.hpp>
 
 #include "workbench/rays.hpp"
 #include "workbench/scene.hpp"
@@ -56,7 +57,7 @@ struct SceneFigures {
 
 struct CompareOptions {
   unsigned threads = 0;           ///< that build and trace; 0 is all there are
-  RaySetOptions rays;             ///< size of each viewpoint's picture
+  RaySetOptions rays = {};        ///< size of each viewpoint's picture
   unsigned rounds = 3;            ///< the fewest rounds of timing
   double seconds_per_type = 1.0;  ///< more rounds are made until all hierarchies together traced this long
 

@@ -20,6 +20,7 @@ constexpr std::string_view content_policy =
 constexpr std::string_view error_counter = R"(
   document.documentElement.dataset.errors = 0;
   addEventListener('error', () => { document.documentElement.dataset.errors++; }, true);
+  addEventListener('securitypolicyviolation', () => { document.documentElement.dataset.errors++; });
   addEventListener('unhandledrejection', () => { document.documentElement.dataset.errors++; });
 )";
 

@@ -36,8 +36,9 @@ struct Report {
   Machine machine;
 };
 
-/// The page. When its charts are drawn it sets `data-charts-drawn` of the root element to their number, and
-/// `data-errors` to the number of script errors and failed loads.
+/// The page. Once it has loaded, its root element has in `data-charts-drawn` and `data-pictures-shown` how
+/// many of these there are, and in `data-errors` the number of script errors and of loads that failed or were
+/// refused.
 std::string render_html(const Report& report);
 
 /// Renders every hierarchy from the scene's first viewpoint. The heat views share one scale.

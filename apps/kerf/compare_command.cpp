@@ -34,10 +34,12 @@ void run(const Options& options, const std::string& command_line) {
 void add_compare_command(CLI::App& app, const std::string& command_line) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("compare", "Build with every builder, trace the same rays, compare");
-  command->add_option("SCENE", options->scenes, scene_help)->required();
+  command->add_option("SCENE", options->scenes, scene_help)->type_name("")->required();
   command->add_option("--builders", options->builders, "Which builders, separated by commas")
+      ->type_name("LIST")
       ->capture_default_str();
   command->add_option("--alpha", options->alpha, "Least overlap for which a spatial split is tried, 0 to 1")
+      ->type_name("NUMBER")
       ->capture_default_str();
   add_options(*command, options->measuring);
   command->callback([options, command_line] { run(*options, command_line); });

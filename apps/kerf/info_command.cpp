@@ -89,8 +89,10 @@ void run(const Options& options) {
 void add_info_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("info", "Say what a scene is and what its tree looks like");
-  command->add_option("SCENE", options->scene, scene_help)->required();
-  command->add_option("--builder", options->builder, "bvh, sbvh, esc or evh")->capture_default_str();
+  command->add_option("SCENE", options->scene, scene_help)->type_name("")->required();
+  command->add_option("--builder", options->builder, "bvh, sbvh, esc or evh")
+      ->type_name("NAME")
+      ->capture_default_str();
   command->callback([options] { run(*options); });
 }
 

@@ -32,15 +32,22 @@ std::string today() {
 
 void add_options(CLI::App& command, MeasureOptions& options) {
   command.add_option("--threads", options.threads, "Threads that build and trace; 0 is all there are")
+      ->type_name("N")
       ->capture_default_str();
   command.add_option("--pixels", options.pixels, "WIDTHxHEIGHT of each viewpoint, one primary ray a pixel")
+      ->type_name("WxH")
       ->capture_default_str();
-  command.add_option("--rounds", options.rounds,
-                     "Rounds of timing; else at least three, and a second's worth");
-  command.add_option("--json", options.json, "Write all figures as JSON to this file; - is standard output");
-  command.add_option("--report", options.report,
-                     "Write index.html with tables, charts and pictures to this directory");
+  command
+      .add_option("--rounds", options.rounds, "Rounds of timing; else at least three, and a second's worth")
+      ->type_name("N");
+  command.add_option("--json", options.json, "Write all figures as JSON to this file; - is standard output")
+      ->type_name("FILE");
+  command
+      .add_option("--report", options.report,
+                  "Write index.html with tables, charts and pictures to this directory")
+      ->type_name("DIRECTORY");
   command.add_option("--pictures", options.pictures, "WIDTHxHEIGHT of the report's pictures")
+      ->type_name("WxH")
       ->capture_default_str();
 }
 

@@ -72,14 +72,22 @@ void run(const Options& options) {
 void add_render_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("render", "Make a picture of a scene");
-  command->add_option("SCENE", options->scene, scene_help)->required();
+  command->add_option("SCENE", options->scene, scene_help)->type_name("")->required();
   command->add_option("-o,--output", options->output, "The PNG file to write, - is standard output")
+      ->type_name("FILE")
       ->required();
   command->add_option("--mode", options->mode, "shaded, ao (ambient occlusion) or steps (the heat view)")
+      ->type_name("NAME")
       ->capture_default_str();
-  command->add_option("--builder", options->builder, "bvh, sbvh, esc or evh")->capture_default_str();
-  command->add_option("--view", options->view, "Number of the viewpoint, from 0")->capture_default_str();
-  command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  command->add_option("--builder", options->builder, "bvh, sbvh, esc or evh")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--view", options->view, "Number of the viewpoint, from 0")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")
+      ->type_name("WxH")
+      ->capture_default_str();
   command->callback([options] { run(*options); });
 }
 

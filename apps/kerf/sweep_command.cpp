@@ -36,8 +36,9 @@ void run(const Options& options, const std::string& command_line) {
 void add_sweep_command(CLI::App& app, const std::string& command_line) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("sweep", "Cost, references and speed as a function of alpha");
-  command->add_option("SCENE", options->scene, scene_help)->required();
+  command->add_option("SCENE", options->scene, scene_help)->type_name("")->required();
   command->add_option("--alphas", options->alphas, "Values from 0 to 1, separated by commas")
+      ->type_name("LIST")
       ->capture_default_str();
   add_options(*command, options->measuring);
   command->callback([options, command_line] { run(*options, command_line); });

@@ -111,5 +111,9 @@
 
   draw();
   dark.addEventListener('change', draw);
-  document.documentElement.dataset.chartsDrawn = charts.filter((chart) => isDrawn(chart.canvas)).length;
+  addEventListener('load', () => {
+    const shown = [...document.images].filter((image) => image.complete && image.naturalWidth > 0);
+    document.documentElement.dataset.chartsDrawn = charts.filter((chart) => isDrawn(chart.canvas)).length;
+    document.documentElement.dataset.picturesShown = shown.length;
+  });
 })();
