@@ -4,11 +4,11 @@
 //     build/release/bin/watertight_run [RAYS]
 //
 // Exit status 1 if any does, or if any number of crossings is odd that should be even.
-#include <fmt/core.h>
-#include <tbb/parallel_for.h>
-
 #include <cstdlib>
+
+#include <fmt/core.h>
 #include <kerf/kerf.hpp>
+#include <tbb/parallel_for.h>
 
 #include "workbench/aimed_rays.hpp"
 
@@ -18,7 +18,8 @@ int main(int argc, char** argv) {
   workbench::AimedRayCounts total;
   fmt::print("{:34} {:>9} {:>10} {:>11} {:>6} {:>13}\n", "surface", "triangles", "references", "rays",
              "leaks", "parity errors");
-  for (const auto& [name, solid] : solids) {
+  for (const workbench::NamedSolid& surface : solids) {
+    const workbench::Solid& solid = surface.solid;
     kerf::BuildOptions options;
     options.alpha = 0.0f;  // spatial splits everywhere
     options.max_reference_ratio = 2.0f;
@@ -35,7 +36,7 @@ int main(int argc, char** argv) {
       sum.leaks += part.leaks;
       sum.parity_errors += part.parity_errors;
     }
-    fmt::print("{:34} {:9} {:10} {:11} {:6} {:13}\n", name, solid.triangles.size(),
+    fmt::print("{:34} {:9} {:10} {:11} {:6} {:13}\n", surface.name, solid.triangles.size(),
                bvh.statistics().references, sum.rays, sum.leaks, sum.parity_errors);
     std::fflush(stdout);
     total.rays += sum.rays;

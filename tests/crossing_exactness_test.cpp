@@ -1,8 +1,8 @@
 // What `all_hits` and `intersect` find, against rational arithmetic.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <map>
+
+#include <gtest/gtest.h>
 
 #include "adversarial.hpp"
 #include "build_options.hpp"
@@ -79,8 +79,9 @@ TEST(AllHits, IsExactFarFromTheOriginAndAtExtremeScales) {
   struct Place {
     float offset, scale;
   };
-  for (const auto [offset, scale] :
+  for (const auto& [at, size] :
        {Place{1e5f, 1.0f}, Place{1e7f, 4.0f}, Place{0.0f, 1e-30f}, Place{0.0f, 1e-42f}, Place{0.0f, 1e37f}}) {
+    const float offset = at, scale = size;  // a lambda cannot capture parts of a structured binding
     const Soup triangles = soup(40, [&] {
       return Vec3f{offset, -offset, offset} + uniform_point(random, scale);
     });

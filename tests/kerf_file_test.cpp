@@ -5,7 +5,7 @@
 
 #include "adversarial.hpp"
 #include "build_options.hpp"
-#include "forged_file.hpp"
+#include "fuzz/forged_file.hpp"
 #include "temporary_directory.hpp"
 #include "workbench/solids.hpp"
 

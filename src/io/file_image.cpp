@@ -13,6 +13,10 @@
 namespace kerf {
 namespace {
 
+[[noreturn]] void refuse(const char* sentence) {
+  throw Error(Error::bad_format, sentence);
+}
+
 template <class... Values>
 [[noreturn]] void refuse(const char* format, Values... values) {
   char sentence[256];

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 namespace kerf {
 
@@ -14,12 +15,12 @@ namespace kerf {
 class ExactSum {
  public:
   /// The most terms that a predicate needs: four triple products of six terms, each of two parts.
-  static constexpr int capacity = 48;
+  static constexpr std::size_t capacity = 48;
 
   void add(double term) {
     double carry = term;
-    int kept = 0;
-    for (int i = 0; i < count_; ++i) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
       const double sum = carry + parts_[i];
       const double part = sum - carry;
       const double error = (carry - (sum - part)) + (parts_[i] - part);
@@ -53,13 +54,13 @@ class ExactSum {
   /// The sum, rounded.
   double value() const {
     double sum = 0.0;
-    for (int i = 0; i < count_; ++i) sum += parts_[i];
+    for (std::size_t i = 0; i < count_; ++i) sum += parts_[i];
     return sum;
   }
 
  private:
   std::array<double, capacity> parts_;
-  int count_ = 0;
+  std::size_t count_ = 0;
 };
 
 }  // namespace kerf
