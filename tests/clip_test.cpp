@@ -1,8 +1,11 @@
 #include "math/clip.hpp"
 
+#include <random>
+
 #include <gtest/gtest.h>
 
-#include <random>
+#include "build/subtree.hpp"
+#include "random_triangles.hpp"
 
 namespace {
 
@@ -89,6 +92,24 @@ TEST_F(Chop, SideThatTheTriangleDoesNotReachIsEmpty) {
   const auto [left, right] = kerf::chop(triangle, kerf::bounds_of(triangle), 2, -1.0f);
   EXPECT_TRUE(left.empty());
   EXPECT_EQ(right, kerf::bounds_of(triangle));
+}
+
+TEST_F(Chop, VectorsGiveTheSamePartsAsScalars) {
+  const kerf_tests::Mesh mesh = kerf_tests::random_triangles(500, 0.5f, 0.1f);
+  const kerf::TriangleMesh view = mesh.mesh();
+  const kerf::Geometry geometry(std::span(&view, 1));
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle triangle = geometry.triangle(i);
+    const Box3f box = kerf::bounds_of(triangle);
+    for (int axis = 0; axis < 3; ++axis) {
+      const float plane = box.lower[axis] + 0.3f * (box.upper[axis] - box.lower[axis]);
+      const auto [left, right] = kerf::chop(triangle, box, axis, plane);
+      Box3f vector_left, vector_right;
+      kerf::chop_reference(geometry, kerf::Reference(box, i), axis, plane, vector_left, vector_right);
+      EXPECT_EQ(left, vector_left);
+      EXPECT_EQ(right, vector_right);
+    }
+  }
 }
 
 }  // namespace

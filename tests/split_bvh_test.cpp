@@ -1,12 +1,18 @@
-#include <gtest/gtest.h>
-
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+#include <kerf/error.hpp>
+#include <tbb/global_control.h>
+
 #include "build/build_tree.hpp"
+#include "build/split_bvh_builder.hpp"
 #include "random_triangles.hpp"
 #include "tree/metrics.hpp"
 #include "tree/validate.hpp"
@@ -176,8 +182,110 @@ TEST(SplitBvh, CoordinatesNearTheEndsOfTheRangeBuild) {
   }
 }
 
-TEST(SplitBvh, SameInputGivesTheSameTree) {
-  expect_equal(tree_of(sticks().mesh()), tree_of(sticks().mesh()));
+Mesh large_and_small_triangles() {
+  Mesh mesh = random_triangles(20'000, 0.02f, 0.02f);
+  const Mesh large = random_triangles(300, 0.7f, 0.7f, 2);
+  for (const auto& [a, b, c] : large.triangles) mesh.triangles.push_back({a + 60000, b + 60000, c + 60000});
+  mesh.vertices.insert(mesh.vertices.end(), large.vertices.begin(), large.vertices.end());
+  for (kerf::Vec3f& v : mesh.vertices)
+    v = v - kerf::Vec3f{0.5f, 0.5f, 0.5f};  // planes at zero, of either sign
+  return mesh;
+}
+
+TEST(SplitBvh, AnyNumberOfThreadsBuildsTheSameTree) {
+  const tbb::global_control eight_threads(tbb::global_control::max_allowed_parallelism, 8);
+  const Mesh mesh = large_and_small_triangles();
+  const BinaryTree tree = tree_of(mesh.mesh(), {.threads = 1});
+  for (const unsigned threads : {1u, 2u, 4u, 8u})
+    expect_equal(tree, tree_of(mesh.mesh(), {.threads = threads}));
+}
+
+TEST(SplitBvh, AnyInstructionSetBuildsTheSameTree) {
+  const Mesh mesh = large_and_small_triangles();
+  const BinaryTree tree = tree_of(mesh.mesh());
+  for (const std::int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3, HWY_EMU128}) {
+    hwy::SetSupportedTargetsForTest(0);
+    if (target != HWY_EMU128 && (hwy::SupportedTargets() & target) == 0) continue;
+    hwy::SetSupportedTargetsForTest(target);
+    SCOPED_TRACE(hwy::TargetName(target));
+    expect_equal(tree, tree_of(mesh.mesh()));
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+TEST(SplitBvh, ProgressOnlyGrowsAndReachesTheEnd) {
+  const Mesh mesh = large_and_small_triangles();
+  std::vector<float> fractions;
+  tree_of(mesh.mesh(), {.progress = [&fractions](float fraction) {
+            fractions.push_back(fraction);
+            return true;
+          }});
+  ASSERT_FALSE(fractions.empty());
+  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+  EXPECT_GE(fractions.front(), 0.0f);
+  EXPECT_LE(fractions.back(), 1.0f);
+}
+
+TEST(SplitBvh, ProgressCanCancel) {
+  const Mesh mesh = large_and_small_triangles();
+  for (const unsigned threads : {1u, 4u}) {
+    int calls = 0;
+    try {
+      tree_of(mesh.mesh(), {.threads = threads, .progress = [&calls](float) { return ++calls < 2; }});
+      ADD_FAILURE() << "the build went on";
+    } catch (const kerf::Error& error) {
+      EXPECT_EQ(error.code(), kerf::Error::cancelled);
+    }
+    EXPECT_EQ(calls, 2);
+  }
+}
+
+TEST(SplitBvh, PeakIsNoMoreThanTheArenaAndTheTreeItself) {
+  const Mesh mesh = large_and_small_triangles();
+  for (const float ratio : {1.0f, 1.1f, 1.5f, 3.0f}) {
+    const BinaryTree tree = tree_of(mesh.mesh(), {.max_reference_ratio = ratio, .threads = 1});
+    EXPECT_GT(tree.build_peak_bytes, tree.nodes.size() * sizeof(kerf::BinaryNode));
+    EXPECT_LE(tree.build_peak_bytes,
+              kerf::build_memory_bound(mesh.triangles.size(), {.max_reference_ratio = ratio, .threads = 1}));
+  }
+}
+
+// The oracle tries every plane between neighbouring centroids on every axis, one box at a time.
+TEST(SplitBvh, SmallNodesTakeTheCheapestOfAllObjectSplits) {
+  for (std::uint32_t count = 2; count <= 16; ++count) {
+    for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+      const Mesh mesh = random_triangles(count, 0.3f, 0.3f, seed);
+      const kerf::TriangleMesh view = mesh.mesh();
+      const kerf::Geometry geometry(std::span(&view, 1));
+      std::vector<kerf::Box3f> boxes;
+      for (std::uint32_t i = 0; i < count; ++i) boxes.push_back(kerf::bounds_of(geometry.triangle(i)));
+      float cheapest = std::numeric_limits<float>::infinity();
+      for (int axis = 0; axis < 3; ++axis) {
+        std::sort(boxes.begin(), boxes.end(), [axis](const kerf::Box3f& a, const kerf::Box3f& b) {
+          return a.lower[axis] + a.upper[axis] < b.lower[axis] + b.upper[axis];
+        });
+        for (std::uint32_t left = 1; left < count; ++left) {
+          kerf::Box3f sides[2];
+          for (std::uint32_t i = 0; i < count; ++i)
+            sides[i < left ? 0 : 1] = merge(sides[i < left ? 0 : 1], boxes[i]);
+          cheapest = std::min(cheapest, half_area(sides[0]) * static_cast<float>(left) +
+                                            half_area(sides[1]) * static_cast<float>(count - left));
+        }
+      }
+      const BinaryTree tree = tree_of(view, {.builder = Builder::bvh, .max_leaf_size = 1});
+      std::size_t left = 0;  // references under the root's left child
+      std::vector<std::uint32_t> stack{tree.nodes[0].left()};
+      while (!stack.empty()) {
+        const kerf::BinaryNode& node = tree.nodes[stack.back()];
+        stack.pop_back();
+        left += node.count;
+        if (!node.is_leaf()) stack.insert(stack.end(), {node.left(), node.right()});
+      }
+      const float cost = half_area(tree.nodes[1].bounds) * static_cast<float>(left) +
+                         half_area(tree.nodes[2].bounds) * static_cast<float>(count - left);
+      EXPECT_FLOAT_EQ(cost, cheapest) << count << " triangles, seed " << seed;
+    }
+  }
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #endif
 
 #include <array>
-#include <cmath>
+#include <cstring>
 
 #include "build/simd_box-inl.hpp"
 
@@ -74,7 +74,7 @@ struct BinMapping {
 };
 
 HWY_NOINLINE void fill(ObjectBins& bins, const Reference* references, std::uint32_t count,
-                     const BinMapping& mapping, int bin_count) {
+                       const BinMapping& mapping, int bin_count) {
   const Vec4 origin = hn::Load(four, mapping.origin), scale = hn::Load(four, mapping.scale);
   const auto last = hn::Set(four_ints, bin_count - 1);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -93,7 +93,7 @@ HWY_NOINLINE void fill(ObjectBins& bins, const Reference* references, std::uint3
 
 // The cheapest plane between bins, over three axes at a time.
 HWY_NOINLINE ObjectSplit cheapest(const ObjectBins& bins, std::uint32_t count, const BinMapping& mapping,
-                                int bin_count) {
+                                  int bin_count) {
   alignas(16) float right_areas[object_bin_count][4];
   SimdBox x = empty_box(), y = x, z = x;
   for (int i = bin_count - 1; i > 0; --i) {
@@ -141,68 +141,79 @@ HWY_INLINE ChildBoxes child_boxes(const ObjectBins& bins, const ObjectSplit& spl
   return boxes;
 }
 
-// Every split between neighbouring centroids. There is no sorting: each lane is one candidate, which sends
-// left what lies no further along the axis than its own centroid, and all candidates look at the references
+// The least float above x.
+HWY_INLINE float next_above(float x) {
+  if (x == 0.0f) return std::numeric_limits<float>::denorm_min();
+  std::uint32_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  bits += x > 0.0f ? 1u : ~0u;
+  std::memcpy(&x, &bits, sizeof x);
+  return x;
+}
+
+// Every split between neighbouring centroids. There is no sorting: each lane is one candidate, a reference on
+// an axis, and sends left what lies no further along the axis than the candidate. All look at the references
 // in turn.
 HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count) {
-  using Lanes = hn::CappedTag<float, 8>;
+  using Lanes = hn::CappedTag<float, 16>;
   constexpr Lanes lanes;
   using Vec = hn::Vec<Lanes>;
-  constexpr std::uint32_t width = HWY_MAX_BYTES >= 32 ? 8 : 4;
-  static_assert(sweep_limit % width == 0);
+  constexpr std::uint32_t width = hn::MaxLanes(Lanes());
+  static_assert(3 * sweep_limit % width == 0);
 
-  alignas(32) float keys[3][sweep_limit];
-  for (int axis = 0; axis < 3; ++axis) {
-    for (std::uint32_t i = 0; i < sweep_limit; i += width) {
-      hn::Store(hn::Set(lanes, infinity), lanes, keys[axis] + i);  // sends all to the left: no split
+  // keys[axis * count + i] is candidate i of an axis; behind the last stand candidates that send all to the
+  // left.
+  alignas(64) float keys[3 * sweep_limit];
+  const std::uint32_t candidates = 3 * count;
+  for (std::uint32_t c = 0; c < candidates; c += width) hn::Store(hn::Set(lanes, infinity), lanes, keys + c);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      keys[axis * count + i] = doubled_centroid(references[i], static_cast<int>(axis));
     }
-    for (std::uint32_t i = 0; i < count; ++i) keys[axis][i] = doubled_centroid(references[i], axis);
   }
-  ObjectSplit split;
   const Vec none = hn::Set(lanes, infinity), all = hn::Set(lanes, static_cast<float>(count));
-  for (std::uint32_t first = 0; first < count; first += width) {
-    Vec best_cost = none, best_axis = hn::Zero(lanes);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vec key = hn::Load(lanes, keys[axis] + first);
-      Vec left_lower[3] = {none, none, none}, right_lower[3] = {none, none, none};
-      Vec left_upper[3] = {hn::Neg(none), hn::Neg(none), hn::Neg(none)};
-      Vec right_upper[3] = {hn::Neg(none), hn::Neg(none), hn::Neg(none)};
-      Vec left_count = hn::Zero(lanes);
-      for (std::uint32_t i = 0; i < count; ++i) {
-        const auto is_left = hn::Le(hn::Set(lanes, keys[axis][i]), key);
-        const auto is_right = hn::Not(is_left);
-        left_count = hn::Add(left_count, hn::IfThenElseZero(is_left, hn::Set(lanes, 1.0f)));
-        for (int k = 0; k < 3; ++k) {
-          const Vec lower = hn::Set(lanes, (&references[i].lower.x)[k]);
-          const Vec upper = hn::Set(lanes, (&references[i].upper.x)[k]);
-          left_lower[k] = hn::IfThenElse(is_left, hn::Min(left_lower[k], lower), left_lower[k]);
-          left_upper[k] = hn::IfThenElse(is_left, hn::Max(left_upper[k], upper), left_upper[k]);
-          right_lower[k] = hn::IfThenElse(is_right, hn::Min(right_lower[k], lower), right_lower[k]);
-          right_upper[k] = hn::IfThenElse(is_right, hn::Max(right_upper[k], upper), right_upper[k]);
-        }
-      }
-      const auto area = [](const Vec* lower, const Vec* upper) {
-        const Vec x = hn::Sub(upper[0], lower[0]), y = hn::Sub(upper[1], lower[1]),
-                  z = hn::Sub(upper[2], lower[2]);
-        return hn::Add(hn::Mul(x, hn::Add(y, z)), hn::Mul(y, z));
-      };
-      const Vec cost = hn::Add(hn::Mul(area(left_lower, left_upper), left_count),
-                               hn::Mul(area(right_lower, right_upper), hn::Sub(all, left_count)));
-      const auto better = hn::Lt(cost, best_cost);  // false for not a number: nothing on the right
-      best_cost = hn::IfThenElse(better, cost, best_cost);
-      best_axis = hn::IfThenElse(better, hn::Set(lanes, static_cast<float>(axis)), best_axis);
-    }
-    alignas(32) float costs[width], axes[width];
-    hn::Store(best_cost, lanes, costs);
-    hn::Store(best_axis, lanes, axes);
-    for (std::uint32_t i = 0; i < width; ++i) {
-      if (costs[i] < split.cost) {
-        const int axis = static_cast<int>(axes[i]);
-        split = {costs[i], axis, 0.0f, 1.0f, std::nextafter(keys[axis][first + i], infinity)};
+  Vec best_cost = none, best_candidate = hn::Zero(lanes);
+  for (std::uint32_t c = 0; c < candidates; c += width) {
+    const Vec candidate = hn::Iota(lanes, static_cast<float>(c));
+    const auto is_y = hn::Ge(candidate, all), is_z = hn::Ge(candidate, hn::Add(all, all));
+    const Vec own_key = hn::Load(lanes, keys + c);
+    Vec left_lower[3] = {none, none, none}, right_lower[3] = {none, none, none};
+    Vec left_upper[3] = {hn::Neg(none), hn::Neg(none), hn::Neg(none)};
+    Vec right_upper[3] = {hn::Neg(none), hn::Neg(none), hn::Neg(none)};
+    Vec left_count = hn::Zero(lanes);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const float* const key = keys + i;
+      const Vec key_on_axis =
+          hn::IfThenElse(is_z, hn::Set(lanes, key[2 * count]),
+                         hn::IfThenElse(is_y, hn::Set(lanes, key[count]), hn::Set(lanes, key[0])));
+      const auto is_left = hn::Le(key_on_axis, own_key);
+      left_count = hn::Add(left_count, hn::IfThenElseZero(is_left, hn::Set(lanes, 1.0f)));
+      for (int k = 0; k < 3; ++k) {
+        const Vec lower = hn::Set(lanes, (&references[i].lower.x)[k]);
+        const Vec upper = hn::Set(lanes, (&references[i].upper.x)[k]);
+        left_lower[k] = hn::Min(left_lower[k], hn::IfThenElse(is_left, lower, none));
+        left_upper[k] = hn::Max(left_upper[k], hn::IfThenElse(is_left, upper, hn::Neg(none)));
+        right_lower[k] = hn::Min(right_lower[k], hn::IfThenElse(is_left, none, lower));
+        right_upper[k] = hn::Max(right_upper[k], hn::IfThenElse(is_left, hn::Neg(none), upper));
       }
     }
+    const auto area = [](const Vec* lower, const Vec* upper) {
+      const Vec x = hn::Sub(upper[0], lower[0]), y = hn::Sub(upper[1], lower[1]),
+                z = hn::Sub(upper[2], lower[2]);
+      return hn::Add(hn::Mul(x, hn::Add(y, z)), hn::Mul(y, z));
+    };
+    const Vec cost = hn::Add(hn::Mul(area(left_lower, left_upper), left_count),
+                             hn::Mul(area(right_lower, right_upper), hn::Sub(all, left_count)));
+    const auto better = hn::Lt(cost, best_cost);  // false for not a number: nothing on the right
+    best_cost = hn::IfThenElse(better, cost, best_cost);
+    best_candidate = hn::IfThenElse(better, candidate, best_candidate);
   }
-  return split;
+  // Of several that cost the same, the first candidate: the same one for any number of lanes.
+  const Vec least = hn::MinOfLanes(lanes, best_cost);
+  const Vec first = hn::MinOfLanes(lanes, hn::IfThenElse(hn::Eq(best_cost, least), best_candidate, none));
+  const auto best = static_cast<std::uint32_t>(hn::GetLane(first));
+  const int axis = (best >= count ? 1 : 0) + (best >= 2 * count ? 1 : 0);
+  return {hn::GetLane(least), axis, 0.0f, 1.0f, next_above(keys[best])};
 }
 
 // Reorders in place without a branch: every reference is swapped to the border, which moves on past those
@@ -230,6 +241,25 @@ HWY_NOINLINE Partition partition(Reference* references, std::uint32_t count, con
   }
   result.left_count = static_cast<std::uint32_t>(border - references);
   return result;
+}
+
+// The same where nobody asks for the bounds of the centroids.
+HWY_INLINE std::uint32_t partition_few(Reference* references, std::uint32_t count, const ObjectSplit& split,
+                                       ChildBoxes& boxes) {
+  boxes = {empty_box(), empty_box()};
+  Reference* border = references;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const SimdBox box = load_box(references[i]);
+    const float key = doubled_centroid(references[i], split.axis);
+    const BoxMask is_left = box_mask(key, split.threshold);
+    boxes.left = merge_if(is_left, boxes.left, box);
+    boxes.right = merge_if_not(is_left, boxes.right, box);
+    const Reference here = references[i];
+    references[i] = *border;
+    *border = here;
+    border += key < split.threshold ? 1 : 0;
+  }
+  return static_cast<std::uint32_t>(border - references);
 }
 
 }  // namespace HWY_NAMESPACE

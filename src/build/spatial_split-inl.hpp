@@ -36,6 +36,11 @@ struct SpatialSplit {
 
   enum Side { left, both, right };
 
+  HWY_INLINE bool straddled_by(const Reference& reference) const {
+    return static_cast<int>(((&reference.lower.x)[axis] - origin) * scale < plane_number) &
+           static_cast<int>(((&reference.upper.x)[axis] - origin) * scale > plane_number);
+  }
+
   HWY_INLINE Side side_of(const Reference& reference) const {
     const bool begins_left = ((&reference.lower.x)[axis] - origin) * scale < plane_number;
     const bool ends_right = ((&reference.upper.x)[axis] - origin) * scale > plane_number;
@@ -47,6 +52,10 @@ HWY_INLINE float half_area_of(const SimdBox& box) {
   alignas(16) float areas[4];
   hn::Store(half_areas(box, box, box), four, areas);
   return areas[0];
+}
+
+HWY_INLINE float half_area_or_zero(const SimdBox& box) {
+  return is_empty(box) ? 0.0f : half_area_of(box);
 }
 
 // Corners without a negative zero: instruction sets disagree about which zero is the lesser.
@@ -128,7 +137,7 @@ struct SpatialBins {
 };
 
 HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint32_t count,
-                     const BinMapping& mapping) {
+                       const BinMapping& mapping) {
   const Vec4 origin = hn::Load(four, mapping.origin), scale = hn::Load(four, mapping.scale);
   const Vec4 last_bin = hn::Set(four, static_cast<float>(spatial_bin_count - 1));
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -153,25 +162,27 @@ HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint
 }
 
 HWY_INLINE float plane_at(const Box3f& box, int axis, int number) {
-  return box.lower[axis] + (box.upper[axis] - box.lower[axis]) *
-                               (static_cast<float>(number) / static_cast<float>(spatial_bin_count));
+  const float width = (box.upper[axis] - box.lower[axis]) * (1.0f / static_cast<float>(spatial_bin_count));
+  return box.lower[axis] + static_cast<float>(number) * width;
 }
 
-// Cuts three boxes, one an axis, at plane `number` of their axes.
-struct ThreeBoxes {
-  SimdBox x, y, z;
-};
-HWY_INLINE ThreeBoxes beside_planes(const Box3f& box, int number, bool is_left) {
-  SimdBox cuts[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    alignas(16) float half[4] = {-infinity, -infinity, -infinity, -infinity};
-    half[axis] = is_left ? -plane_at(box, axis, number) : plane_at(box, axis, number);
-    const Vec4 nowhere = hn::Set(four, -infinity);
-    cuts[axis] =
-        is_left ? from_halves(nowhere, hn::Load(four, half)) : from_halves(hn::Load(four, half), nowhere);
+// The half spaces beside the planes of one axis, as boxes to intersect with.
+struct HalfSpaces {
+  SimdBox first, step;
+
+  // Behind each plane if `side` is 1, before it if -1.
+  HWY_INLINE HalfSpaces(const Box3f& box, int axis, float side) {
+    const auto on_axis = hn::Eq(hn::Iota(four, 0.0f), hn::Set(four, static_cast<float>(axis)));
+    const float width = (box.upper[axis] - box.lower[axis]) * (1.0f / static_cast<float>(spatial_bin_count));
+    const Vec4 nowhere = hn::Set(four, -infinity), still = hn::Zero(four);
+    const Vec4 from = hn::IfThenElse(on_axis, hn::Set(four, side * box.lower[axis]), nowhere);
+    const Vec4 by = hn::IfThenElse(on_axis, hn::Set(four, side * width), still);
+    first = side > 0.0f ? from_halves(from, nowhere) : from_halves(nowhere, from);
+    step = side > 0.0f ? from_halves(by, still) : from_halves(still, by);
   }
-  return {cuts[0], cuts[1], cuts[2]};
-}
+
+  HWY_INLINE SimdBox at(int number) const { return move(first, step, static_cast<float>(number)); }
+};
 
 // The best plane of each axis with boxes chopped. Only planes that make at most `slack` references more
 // count.
@@ -180,16 +191,18 @@ struct PlaneCandidates {
   int numbers[3];
 };
 HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3f& box, std::uint32_t count,
-                                           std::uint32_t slack) {
+                                             std::uint32_t slack) {
+  const HalfSpaces behind[3] = {{box, 0, 1.0f}, {box, 1, 1.0f}, {box, 2, 1.0f}};
+  const HalfSpaces before[3] = {{box, 0, -1.0f}, {box, 1, -1.0f}, {box, 2, -1.0f}};
   alignas(16) float right_areas[spatial_bin_count][4];
   SimdBox x = empty_box(), y = x, z = x;
   for (int i = spatial_bin_count - 1; i > 0; --i) {
     x = merge(x, load_bin(bins.ends[i][0]));
     y = merge(y, load_bin(bins.ends[i][1]));
     z = merge(z, load_bin(bins.ends[i][2]));
-    const ThreeBoxes cut = beside_planes(box, i, false);
-    hn::Store(half_areas(intersect(x, cut.x), intersect(y, cut.y), intersect(z, cut.z)), four,
-              right_areas[i]);
+    const Vec4 areas = half_areas(intersect(x, behind[0].at(i)), intersect(y, behind[1].at(i)),
+                                  intersect(z, behind[2].at(i)));
+    hn::Store(areas, four, right_areas[i]);
   }
   x = y = z = empty_box();
   auto left = hn::Zero(four_ints), right = hn::Set(four_ints, static_cast<std::int32_t>(count));
@@ -199,13 +212,13 @@ HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3
     x = merge(x, load_bin(bins.begins[i - 1][0]));
     y = merge(y, load_bin(bins.begins[i - 1][1]));
     z = merge(z, load_bin(bins.begins[i - 1][2]));
-    const ThreeBoxes cut = beside_planes(box, i, true);
     left = hn::Add(left, hn::Load(four_ints, bins.begin_counts[i - 1]));
     right = hn::Sub(right, hn::Load(four_ints, bins.end_counts[i - 1]));
     const Vec4 left_count = hn::ConvertTo(four, left), right_count = hn::ConvertTo(four, right);
-    const Vec4 cost = hn::Add(
-        hn::Mul(half_areas(intersect(x, cut.x), intersect(y, cut.y), intersect(z, cut.z)), left_count),
-        hn::Mul(hn::Load(four, right_areas[i]), right_count));
+    const Vec4 left_areas = half_areas(intersect(x, before[0].at(i)), intersect(y, before[1].at(i)),
+                                       intersect(z, before[2].at(i)));
+    const Vec4 cost =
+        hn::Add(hn::Mul(left_areas, left_count), hn::Mul(hn::Load(four, right_areas[i]), right_count));
     const auto better = hn::And(hn::Lt(cost, best_cost), hn::Le(hn::Add(left_count, right_count), most));
     best_cost = hn::IfThenElse(better, cost, best_cost);
     best_number = hn::IfThenElse(better, hn::Set(four, static_cast<float>(i)), best_number);
@@ -221,10 +234,11 @@ HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3
   return candidates;
 }
 
-// What a plane costs when the triangles that straddle it are chopped.
+// What a plane costs when the triangles that straddle it are chopped. Not found where that is `limit` or
+// more.
 HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& bins,
-                                const Reference* references, std::uint32_t count, const Box3f& box,
-                                const BinMapping& mapping, int axis, int number) {
+                                  const Reference* references, std::uint32_t count, const Box3f& box,
+                                  const BinMapping& mapping, int axis, int number, float limit) {
   SpatialSplit split;
   split.axis = axis;
   split.origin = mapping.origin[axis];
@@ -232,7 +246,7 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
   split.plane_number = static_cast<float>(number);
   split.plane = plane_at(box, axis, number);
   SimdBox left = empty_box(), right = left;
-  std::int32_t left_count = 0, right_count = 0;
+  std::int32_t left_count = 0, right_count = 0, straddling = static_cast<std::int32_t>(count);
   for (int i = 0; i < number; ++i) {  // those wholly on the left end there
     left = merge(left, load_bin(bins.ends[i][axis]));
     left_count += bins.end_counts[i][axis];
@@ -241,28 +255,44 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
     right = merge(right, load_bin(bins.begins[i][axis]));
     right_count += bins.begin_counts[i][axis];
   }
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (split.side_of(references[i]) != SpatialSplit::both) continue;
-    const ChildBoxes parts = chop(geometry, references[i], axis, split.plane);
-    if (!is_empty(parts.left)) {
-      left = merge(left, parts.left);
-      ++left_count;
+  straddling -= left_count + right_count;
+  // What is chopped can only add to this.
+  const auto cost = [&] {
+    return half_area_or_zero(left) * static_cast<float>(left_count) +
+           half_area_or_zero(right) * static_cast<float>(right_count);
+  };
+  constexpr std::uint32_t batch = 64;
+  std::uint32_t straddlers[batch];
+  for (std::uint32_t i = 0; i < count && straddling > 0;) {
+    if (cost() >= limit) return split;
+    std::uint32_t found = 0;
+    for (; i < count && found < batch; ++i) {
+      straddlers[found] = i;
+      found += split.straddled_by(references[i]) ? 1 : 0;
     }
-    if (!is_empty(parts.right)) {
-      right = merge(right, parts.right);
-      ++right_count;
+    straddling -= static_cast<std::int32_t>(found);
+    for (std::uint32_t k = 0; k < found; ++k) {
+      const ChildBoxes parts = chop(geometry, references[straddlers[k]], axis, split.plane);
+      if (!is_empty(parts.left)) {
+        left = merge(left, parts.left);
+        ++left_count;
+      }
+      if (!is_empty(parts.right)) {
+        right = merge(right, parts.right);
+        ++right_count;
+      }
     }
   }
-  if (left_count == 0 || right_count == 0) return split;
+  if (left_count == 0 || right_count == 0 || cost() >= limit) return split;
   split.left_count = static_cast<float>(left_count);
   split.right_count = static_cast<float>(right_count);
   split.boxes = {left, right};
-  split.cost = half_area_of(left) * split.left_count + half_area_of(right) * split.right_count;
+  split.cost = cost();
   return split;
 }
 
 HWY_NOINLINE SpatialSplit find_spatial_split(const Geometry& geometry, const Reference* references,
-                                           const Range& range, const Box3f& box, float object_split_cost) {
+                                             const Range& range, const Box3f& box, float object_split_cost) {
   SpatialBins bins;
   bins.clear();
   const BinMapping mapping(box, spatial_bin_count);
@@ -272,8 +302,8 @@ HWY_NOINLINE SpatialSplit find_spatial_split(const Geometry& geometry, const Ref
   for (int axis = 0; axis < 3; ++axis) {
     if (!(candidates.costs[axis] < worth_chopping * object_split_cost) || mapping.scale[axis] == 0.0f)
       continue;
-    const SpatialSplit split =
-        chop_at(geometry, bins, references, range.count(), box, mapping, axis, candidates.numbers[axis]);
+    const SpatialSplit split = chop_at(geometry, bins, references, range.count(), box, mapping, axis,
+                                       candidates.numbers[axis], std::min(object_split_cost, best.cost));
     if (split.cost < best.cost) best = split;
   }
   return best;
@@ -287,7 +317,7 @@ struct SpatialPartition {
 };
 
 HWY_NOINLINE SpatialPartition partition(const Geometry& geometry, Reference* references, std::uint32_t count,
-                                      const SpatialSplit& split) {
+                                        const SpatialSplit& split) {
   // Both children as they would be if every straddling reference were divided; unsplitting grows the one and
   // takes from the other.
   SimdBox left_box = split.boxes.left, right_box = split.boxes.right;

@@ -8,6 +8,7 @@
 #include <new>
 
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
@@ -140,15 +141,26 @@ class Driver {
   tbb::enumerable_thread_specific<Scratch> scratch_;
 };
 
-tbb::task_arena task_arena_of(const BuildOptions& options) {
-  return tbb::task_arena(options.threads == 0 ? tbb::task_arena::automatic
-                                              : static_cast<int>(options.threads));
+// oneTBB has no more threads than this for anyone, and warns whoever asks for more.
+int threads_of(const BuildOptions& options) {
+  const auto most =
+      static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  return static_cast<int>(options.threads == 0 ? most : std::min(options.threads, most));
 }
 
 // Spatial splits of smaller nodes are rarely found and gain little: trying them only here costs 0.1 % of the
 // surface-area cost on sponza and saves half the time (docs/decisions.md). With an alpha of 0, all are tried.
 constexpr std::uint32_t worthwhile_count = 64;
 constexpr float worthwhile_overlap = 0.1f;
+
+bool splits_space(const BuildOptions& options) {
+  return options.builder == Builder::sbvh && options.alpha < 1.0f;
+}
+
+std::size_t references_in_arena(std::size_t triangles, const BuildOptions& options) {
+  const double ratio = splits_space(options) ? double{options.max_reference_ratio} : 1.0;
+  return static_cast<std::size_t>(static_cast<double>(triangles) * ratio);
+}
 
 struct FreeAligned {
   void operator()(Reference* memory) const { ::operator delete (memory, std::align_val_t{64}); }
@@ -158,25 +170,26 @@ struct FreeAligned {
 
 BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& options) {
   if (geometry.triangle_count() == 0) return {};
-  const bool spatial = options.builder == Builder::sbvh && options.alpha < 1.0f;
-  const double ratio = spatial ? double{options.max_reference_ratio} : 1.0;
-  const auto room = static_cast<std::size_t>(static_cast<double>(geometry.triangle_count()) * ratio);
+  const std::size_t room = references_in_arena(geometry.triangle_count(), options);
+  if (room >= (std::size_t{1} << 31)) {
+    throw Error(Error::too_large, "there may be 2^31 references or more, which is more than kerf can number");
+  }
   const std::unique_ptr<Reference, FreeAligned> arena(
       static_cast<Reference*>(::operator new (room * sizeof(Reference), std::align_val_t{64})));
-  return task_arena_of(options).execute([&]() -> BinaryTree {
+  return tbb::task_arena(threads_of(options)).execute([&]() -> BinaryTree {
     const ReferenceSummary input = write_references(geometry, arena.get());
     BinaryTree tree;
     if (input.count != 0) {
       const float root_area = half_area(input.box);
       // Chopping could overflow where not even the area is finite: see math/clip.hpp.
-      const bool can_chop = spatial && std::isfinite(root_area);
+      const bool can_chop = splits_space(options) && std::isfinite(root_area);
       const BuildContext context{.geometry = can_chop ? &geometry : nullptr,
                                  .arena = arena.get(),
                                  .max_leaf_size = options.max_leaf_size,
                                  .absolute_overlap = options.alpha * root_area,
                                  .relative_overlap = options.alpha > 0.0f ? worthwhile_overlap : 0.0f,
                                  .spatial_minimum = options.alpha > 0.0f ? worthwhile_count : 2};
-      const auto limit = static_cast<std::uint32_t>(static_cast<double>(input.count) * ratio);
+      const auto limit = static_cast<std::uint32_t>(references_in_arena(input.count, options));
       tree = Driver(context, options, input.count)
                  .build({{0, input.count, limit}, 0, input.box, input.doubled_centroids},
                         room * sizeof(Reference));
@@ -197,8 +210,16 @@ BinaryTree build_object_split_tree(std::vector<Reference> references, const Buil
   const BuildContext context{.arena = references.data(),
                              .max_leaf_size = options.max_leaf_size,
                              .spatial_minimum = worthwhile_count};
-  return task_arena_of(options).execute(
-      [&] { return Driver(context, options, count).build(root, references.capacity() * sizeof(Reference)); });
+  return tbb::task_arena(threads_of(options)).execute([&] {
+    return Driver(context, options, count).build(root, references.capacity() * sizeof(Reference));
+  });
+}
+
+std::size_t build_memory_bound(std::size_t triangles, const BuildOptions& options) {
+  const std::size_t references = references_in_arena(triangles, options);
+  const auto threads = static_cast<std::size_t>(threads_of(options));
+  const std::size_t tree = references * (2 * sizeof(BinaryNode) + sizeof(std::uint32_t));
+  return references * sizeof(Reference) + 2 * tree + threads * Scratch::bytes;
 }
 
 }  // namespace kerf

@@ -10,7 +10,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "build/subtree.cpp"
 #define HWY_DISABLED_TARGETS HWY_SSSE3  // such old machines take the scalar one
-#define HWY_BROKEN_EMU128 0             // which has four lanes all the same; tests hold it to the others' trees
+#define HWY_BROKEN_EMU128 0  // which has four lanes all the same; tests hold it to the others' trees
 #include <hwy/foreach_target.h>
 
 #include "build/object_split-inl.hpp"
@@ -159,28 +159,30 @@ class SubtreeBuilder {
                    const SimdBox& box) {
     nodes_[slot].bounds = to_box3f(box);
     if (count == 1) return make_leaf(slot, references, count);
-    ObjectSplit split;
-    if (!must_halve(count, depth)) {
-      split = sweep(references, count);
+    ChildBoxes children{empty_box(), empty_box()};
+    std::uint32_t left_count = count / 2;
+    if (count == 2) {  // there is one way to split these
+      children = {load_box(references[0]), load_box(references[1])};
+      const float cost = half_area_of(children.left) + half_area_of(children.right);
+      if (leaf_is_cheapest(context_, count, half_area_of(box), cost))
+        return make_leaf(slot, references, count);
+    } else {
+      ObjectSplit split;
+      if (!must_halve(count, depth)) split = sweep(references, count);
       if (leaf_is_cheapest(context_, count, half_area_of(box), split.cost))
         return make_leaf(slot, references, count);
-    } else if (count <= context_.max_leaf_size) {
-      return make_leaf(slot, references, count);
-    }
-    std::uint32_t left_count = count / 2;
-    SimdBox left = empty_box(), right = left;
-    if (split.found()) {
-      const Partition parts = partition(references, count, split);
-      left_count = parts.left_count;
-      left = parts.boxes.left;
-      right = parts.boxes.right;
-    } else {
-      for (std::uint32_t i = 0; i < left_count; ++i) left = merge(left, load_box(references[i]));
-      for (std::uint32_t i = left_count; i < count; ++i) right = merge(right, load_box(references[i]));
+      if (split.found()) {
+        left_count = partition_few(references, count, split, children);
+      } else {
+        for (std::uint32_t i = 0; i < count; ++i) {
+          SimdBox& side = i < left_count ? children.left : children.right;
+          side = merge(side, load_box(references[i]));
+        }
+      }
     }
     const std::uint32_t child = make_inner(slot);
-    build_small(child, references, left_count, depth + 1, left);
-    build_small(child + 1, references + left_count, count - left_count, depth + 1, right);
+    build_small(child, references, left_count, depth + 1, children.left);
+    build_small(child + 1, references + left_count, count - left_count, depth + 1, children.right);
   }
 
   std::uint32_t make_inner(std::uint32_t slot) {

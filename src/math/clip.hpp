@@ -32,17 +32,14 @@ inline ChoppedBoxes chop(const Triangle& triangle, const Box3f& box, int axis, f
     if (a[axis] <= plane) parts.left = merge(parts.left, a);
     if (a[axis] >= plane) parts.right = merge(parts.right, a);
     if ((a[axis] < plane && plane < b[axis]) || (b[axis] < plane && plane < a[axis])) {
-      // From the lower end to the upper one, so that both triangles of an edge find the same crossing.
-      const Vec3f& from = a[axis] < b[axis] ? a : b;
-      const Vec3f& to = a[axis] < b[axis] ? b : a;
-      const float t = (plane - from[axis]) / (to[axis] - from[axis]);
+      const float t = (plane - a[axis]) / (b[axis] - a[axis]);
       Box3f crossing;
       for (int k = 0; k < 3; ++k) {
-        const float at = from[k] + t * (to[k] - from[k]);
-        const float margin = chop_rounding * std::max(std::abs(from[k]), std::abs(to[k])) +
+        const float at = a[k] + t * (b[k] - a[k]);
+        const float margin = chop_rounding * std::max(std::abs(a[k]), std::abs(b[k])) +
                              std::numeric_limits<float>::min();  // products may have underflowed
-        crossing.lower[k] = std::max(at - margin, std::min(from[k], to[k]));
-        crossing.upper[k] = std::min(at + margin, std::max(from[k], to[k]));
+        crossing.lower[k] = std::max(at - margin, std::min(a[k], b[k]));
+        crossing.upper[k] = std::min(at + margin, std::max(a[k], b[k]));
       }
       parts.left = merge(parts.left, crossing);
       parts.right = merge(parts.right, crossing);
