@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+
 #include <kerf/kerf.hpp>
 
 #include "build/build_tree.hpp"

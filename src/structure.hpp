@@ -1,8 +1,9 @@
 // What a `Bvh` holds.
 #pragma once
 
-#include <kerf/bvh.hpp>
 #include <vector>
+
+#include <kerf/bvh.hpp>
 
 #include "kernel/wide_bvh.hpp"
 

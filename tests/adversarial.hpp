@@ -3,9 +3,10 @@
 #pragma once
 
 #include <cmath>
-#include <kerf/kerf.hpp>
 #include <random>
 #include <vector>
+
+#include <kerf/kerf.hpp>
 
 #include "math/predicates.hpp"
 #include "math/triangle.hpp"

@@ -1,7 +1,7 @@
 // The contract of `all_hits` beyond which triangles are crossed: order, multiplicity, early stop, and parity.
-#include <gtest/gtest.h>
-
 #include <algorithm>
+
+#include <gtest/gtest.h>
 
 #include "adversarial.hpp"
 #include "build_options.hpp"

@@ -1,8 +1,9 @@
 // The oracle of the tracing tests: every triangle is tried, in no order, with no boxes.
 #pragma once
 
-#include <kerf/kerf.hpp>
 #include <optional>
+
+#include <kerf/kerf.hpp>
 
 #include "kernel/prepared_ray.hpp"
 #include "math/ray_triangle.hpp"

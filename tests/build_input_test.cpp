@@ -1,12 +1,12 @@
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <kerf/kerf.hpp>
 #include <limits>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
+#include <kerf/kerf.hpp>
 
 #include "random_triangles.hpp"
 

@@ -7,6 +7,8 @@
 #include "build/subtree.hpp"
 #include "random_triangles.hpp"
 
+#include <gtest/gtest.h>
+
 namespace {
 
 using kerf::Box3f;

@@ -2,9 +2,10 @@
 // its own.
 #pragma once
 
-#include <boost/multiprecision/gmp.hpp>
 #include <optional>
 #include <vector>
+
+#include <boost/multiprecision/gmp.hpp>
 
 #include "math/triangle.hpp"
 

@@ -1,12 +1,12 @@
 #include "kernel/kernels.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cstdlib>
-#include <kerf/kerf.hpp>
 #include <random>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
+#include <kerf/kerf.hpp>
 
 #include "random_scenes.hpp"
 #include "stages.hpp"

@@ -1,10 +1,10 @@
 #include "tree/metrics.hpp"
 
-#include <gtest/gtest.h>
-#include <tbb/global_control.h>
-
 #include <array>
 #include <random>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include "build/build_tree.hpp"
 #include "tree/polygon.hpp"

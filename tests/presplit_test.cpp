@@ -1,13 +1,13 @@
 #include "build/presplit.hpp"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <array>
-#include <kerf/kerf.hpp>
 #include <queue>
 #include <random>
 #include <set>
+
+#include <gtest/gtest.h>
+#include <kerf/kerf.hpp>
 
 #include "build/build_tree.hpp"
 #include "build/input.hpp"

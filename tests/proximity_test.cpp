@@ -1,8 +1,8 @@
 // `closest_point`, `within` and `triangles_in`, against every triangle one by one.
+#include <set>
+
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
-
-#include <set>
 
 #include "adversarial.hpp"
 #include "build_options.hpp"

@@ -1,9 +1,10 @@
 // Random triangles and rays for the tracing tests.
 #pragma once
 
-#include <kerf/kerf.hpp>
 #include <random>
 #include <vector>
+
+#include <kerf/kerf.hpp>
 
 #include "math/vec3f.hpp"
 

@@ -3,10 +3,11 @@
 
 #include <array>
 #include <cstdint>
-#include <kerf/mesh.hpp>
-#include <kerf/vec.hpp>
 #include <random>
 #include <vector>
+
+#include <kerf/mesh.hpp>
+#include <kerf/vec.hpp>
 
 namespace kerf_tests {
 

@@ -1,9 +1,9 @@
 #include "workbench/solids.hpp"
 
-#include <gtest/gtest.h>
-
 #include <map>
 #include <utility>
+
+#include <gtest/gtest.h>
 
 #include "math/vec3f.hpp"
 

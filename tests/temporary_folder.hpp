@@ -1,13 +1,13 @@
 // A folder for the files of one test, gone when the test is over.
 #pragma once
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <string_view>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
 
 class TemporaryFolder {
  public:

@@ -1,10 +1,10 @@
-#include <gtest/gtest.h>
-
 #include <array>
-#include <kerf/kerf.hpp>
 #include <limits>
 #include <random>
 #include <vector>
+
+#include <gtest/gtest.h>
+#include <kerf/kerf.hpp>
 
 #include "brute_force.hpp"
 #include "random_scenes.hpp"

@@ -1,8 +1,8 @@
 #include "tree/validate.hpp"
 
-#include <gtest/gtest.h>
-
 #include <array>
+
+#include <gtest/gtest.h>
 
 #include "build/build_tree.hpp"
 

@@ -144,7 +144,8 @@ std::vector<NamedSolid> make_watertight_solids() {
       {"lumpy sphere", lumpy},
       {"lumpy sphere, turned and moved", placed(lumpy, 30.0f, {400, 500, -600})},
       {"slivers", stretched(make_sphere(4), 1000.0f, 1.0f, 1.0f)},
-      {"slivers, turned and moved", placed(stretched(make_lumpy_sphere(4), 1.0f, 100.0f, 0.3f), 1.0f, {50, -60, 70})},
+      {"slivers, turned and moved",
+       placed(stretched(make_lumpy_sphere(4), 1.0f, 100.0f, 0.3f), 1.0f, {50, -60, 70})},
       {"a box of twelve long triangles",
        placed(make_box({-500, -0.5f, -2}, {500, 0.5f, 2}), 1.0f, {0, 10, 0})},
   };

@@ -4,9 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <kerf/bvh.hpp>
 #include <string>
 #include <vector>
+
+#include <kerf/bvh.hpp>
 
 #include "workbench/solids.hpp"
 

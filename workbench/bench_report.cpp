@@ -1,10 +1,10 @@
 #include "workbench/bench_report.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include <fmt/format.h>
 
 #include "workbench/table.hpp"
 

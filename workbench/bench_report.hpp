@@ -1,10 +1,11 @@
 // What a benchmark found, for people and for programs.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <string_view>
+
+#include <nlohmann/json.hpp>
 
 #include "workbench/bench.hpp"
 #include "workbench/table.hpp"

@@ -3,8 +3,9 @@
 
 #include <cmath>
 #include <cstddef>
-#include <kerf/ray.hpp>
 #include <numbers>
+
+#include <kerf/ray.hpp>
 
 #include "math/vec3f.hpp"
 #include "workbench/scene.hpp"

@@ -1,13 +1,13 @@
 #include "workbench/compare.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
+
+#include <fmt/format.h>
 
 #include "build/build_tree.hpp"
 #include "stages.hpp"

@@ -1,8 +1,9 @@
 // Comparisons as JSON: the contract of the command line (docs/architecture.md).
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <span>
+
+#include <nlohmann/json.hpp>
 
 #include "workbench/compare.hpp"
 

@@ -1,10 +1,10 @@
 #include "workbench/compare_measures.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include <fmt/format.h>
 
 namespace workbench {
 namespace {

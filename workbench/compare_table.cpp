@@ -1,9 +1,9 @@
 #include "workbench/compare_table.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include <fmt/format.h>
 
 #include "workbench/compare_measures.hpp"
 

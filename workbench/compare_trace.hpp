@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstddef>
-#include <kerf/bvh.hpp>
 #include <span>
 #include <vector>
+
+#include <kerf/bvh.hpp>
 
 #include "workbench/rays.hpp"
 

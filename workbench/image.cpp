@@ -1,9 +1,9 @@
 #include "workbench/image.hpp"
 
-#include <png.h>
-
 #include <cstring>
+
 #include <kerf/error.hpp>
+#include <png.h>
 
 namespace workbench {
 

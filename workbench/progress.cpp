@@ -1,10 +1,10 @@
 #include "workbench/progress.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
-
-#include <algorithm>
 
 namespace workbench {
 namespace {

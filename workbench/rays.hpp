@@ -3,10 +3,11 @@
 #pragma once
 
 #include <cstddef>
-#include <kerf/bvh.hpp>
-#include <kerf/ray.hpp>
 #include <string_view>
 #include <vector>
+
+#include <kerf/bvh.hpp>
+#include <kerf/ray.hpp>
 
 #include "workbench/scene.hpp"
 

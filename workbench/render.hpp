@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+
 #include <kerf/bvh.hpp>
 
 #include "workbench/image.hpp"

@@ -1,10 +1,10 @@
 #include "workbench/render_heat.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include <tbb/parallel_for.h>
 
 #include "stages.hpp"
 #include "workbench/camera.hpp"

@@ -1,7 +1,6 @@
 #include "workbench/scene.hpp"
 
 #include <fmt/format.h>
-
 #include <kerf/error.hpp>
 
 #include "workbench/generate/angles.hpp"

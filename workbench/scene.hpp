@@ -3,11 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <kerf/mesh.hpp>
-#include <kerf/vec.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <kerf/mesh.hpp>
+#include <kerf/vec.hpp>
 
 namespace workbench {
 

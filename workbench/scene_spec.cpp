@@ -1,10 +1,10 @@
 #include "workbench/scene_spec.hpp"
 
-#include <fmt/format.h>
-
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+
+#include <fmt/format.h>
 #include <kerf/error.hpp>
 
 #include "workbench/generated_scenes.hpp"

@@ -3,9 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
+
 #include <kerf/mesh.hpp>
 #include <kerf/vec.hpp>
-#include <vector>
 
 namespace workbench {
 

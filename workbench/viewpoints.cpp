@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+
 #include <kerf/build.hpp>
 
 #include "math/box3f.hpp"

@@ -1,8 +1,9 @@
 // Where to look at a scene from of which nothing is known but its triangles.
 #pragma once
 
-#include <kerf/mesh.hpp>
 #include <vector>
+
+#include <kerf/mesh.hpp>
 
 #include "workbench/scene.hpp"
 

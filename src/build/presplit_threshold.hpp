@@ -2,9 +2,6 @@
 // threshold.
 #pragma once
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <atomic>
 #include <bit>
 #include <cstddef>
@@ -12,6 +9,9 @@
 #include <limits>
 #include <utility>
 #include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include "tree/reference.hpp"
 

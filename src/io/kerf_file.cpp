@@ -7,7 +7,7 @@
 #include "io/file_image.hpp"
 #include "io/posix_file.hpp"
 #include "kernel/aligned_array.hpp"
-#include "query/out_of_memory.hpp"
+#include "out_of_memory.hpp"
 
 namespace kerf {
 namespace {

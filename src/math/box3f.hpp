@@ -7,12 +7,18 @@
 
 namespace kerf {
 
-constexpr Box3f merge(const Box3f& a, const Box3f& b) { return {min(a.lower, b.lower), max(a.upper, b.upper)}; }
-constexpr Box3f merge(const Box3f& a, const Vec3f& p) { return {min(a.lower, p), max(a.upper, p)}; }
+constexpr Box3f merge(const Box3f& a, const Box3f& b) {
+  return {min(a.lower, b.lower), max(a.upper, b.upper)};
+}
+constexpr Box3f merge(const Box3f& a, const Vec3f& p) {
+  return {min(a.lower, p), max(a.upper, p)};
+}
 constexpr Box3f intersect(const Box3f& a, const Box3f& b) {
   return {max(a.lower, b.lower), min(a.upper, b.upper)};
 }
-constexpr Vec3f extent(const Box3f& box) { return box.upper - box.lower; }
+constexpr Vec3f extent(const Box3f& box) {
+  return box.upper - box.lower;
+}
 
 /// Half the surface area, which is all that ratios of areas need. 0 for an empty box.
 constexpr float half_area(const Box3f& box) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+
 #include <kerf/vec.hpp>
 
 #include "math/exact_sum.hpp"

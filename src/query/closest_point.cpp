@@ -3,7 +3,7 @@
 #include <memory_resource>
 
 #include "math/vec3f.hpp"
-#include "query/out_of_memory.hpp"
+#include "out_of_memory.hpp"
 #include "query/point_distance.hpp"
 #include "query/subtrees.hpp"
 

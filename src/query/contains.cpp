@@ -1,5 +1,5 @@
+#include "out_of_memory.hpp"
 #include "query/crossings.hpp"
-#include "query/out_of_memory.hpp"
 #include "query/subtrees.hpp"
 
 namespace kerf {

@@ -3,9 +3,10 @@
 
 #include <array>
 #include <cstddef>
-#include <kerf/ray.hpp>
 #include <memory_resource>
 #include <vector>
+
+#include <kerf/ray.hpp>
 
 #include "math/vec3f.hpp"
 #include "query/line_crossing.hpp"

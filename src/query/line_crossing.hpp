@@ -3,8 +3,9 @@
 #pragma once
 
 #include <cmath>
-#include <kerf/ray.hpp>
 #include <optional>
+
+#include <kerf/ray.hpp>
 
 #include "math/predicates.hpp"
 #include "math/triangle.hpp"

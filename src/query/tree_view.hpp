@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+
 #include <kerf/query.hpp>
 
 #include "structure.hpp"

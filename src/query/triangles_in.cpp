@@ -1,4 +1,4 @@
-#include "query/out_of_memory.hpp"
+#include "out_of_memory.hpp"
 #include "query/subtrees.hpp"
 #include "query/triangle_box.hpp"
 

@@ -13,7 +13,8 @@ Geometry::Geometry(std::span<const TriangleMesh> meshes) : meshes_(meshes) {
   for (const TriangleMesh& mesh : meshes) {
     count += mesh.triangles.size();
     if (count >= (std::size_t{1} << 31)) {
-      throw Error(Error::too_large, "the meshes have 2^31 triangles or more, which is more than kerf can number");
+      throw Error(Error::too_large,
+                  "the meshes have 2^31 triangles or more, which is more than kerf can number");
     }
     first_.push_back(static_cast<std::uint32_t>(count));
   }

@@ -3,9 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <kerf/mesh.hpp>
 #include <span>
 #include <vector>
+
+#include <kerf/mesh.hpp>
 
 #include "math/triangle.hpp"
 

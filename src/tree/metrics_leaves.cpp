@@ -1,12 +1,12 @@
 // Leaf count variability: how differently many leaves the lines through a tree meet.
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <utility>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include "tree/metrics.hpp"
 

@@ -1,10 +1,10 @@
 // End-point overlap: each triangle is clipped down the tree, and what of it reaches nodes that do not know it
 // counts.
+#include <cstdint>
+
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_reduce.h>
-
-#include <cstdint>
 
 #include "tree/metrics.hpp"
 #include "tree/polygon.hpp"

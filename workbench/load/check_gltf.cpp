@@ -1,11 +1,11 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <vector>
+
+#include <fmt/format.h>
 #include <kerf/error.hpp>
 #include <nlohmann/json.hpp>
-#include <vector>
 
 #include "workbench/load/checks.hpp"
 #include "workbench/load/read_bytes.hpp"

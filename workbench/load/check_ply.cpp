@@ -1,12 +1,12 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
-#include <kerf/error.hpp>
 #include <vector>
+
+#include <fmt/format.h>
+#include <kerf/error.hpp>
 
 #include "workbench/load/checks.hpp"
 #include "workbench/load/text.hpp"

@@ -1,12 +1,12 @@
 #include "workbench/load/load_file.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <kerf/error.hpp>
 #include <string>
+
+#include <fmt/format.h>
+#include <kerf/error.hpp>
 
 #include "math/vec3f.hpp"
 #include "workbench/load/checks.hpp"

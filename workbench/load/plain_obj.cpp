@@ -1,8 +1,8 @@
-#include <fmt/format.h>
-
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+
+#include <fmt/format.h>
 #include <kerf/error.hpp>
 
 #include "workbench/load/checks.hpp"

@@ -1,14 +1,14 @@
 #include "workbench/load/read_bytes.hpp"
 
-#include <fmt/format.h>
-#include <zlib.h>
-
 #include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <kerf/error.hpp>
 #include <memory>
+
+#include <fmt/format.h>
+#include <kerf/error.hpp>
+#include <zlib.h>
 
 namespace workbench {
 namespace {

@@ -10,10 +10,11 @@
 #endif
 
 #include <atomic>
-#include <kerf/error.hpp>
 #include <limits>
 #include <string>
 #include <utility>
+
+#include <kerf/error.hpp>
 
 #include "workbench/peers/ray_blocks.hpp"
 

@@ -4,12 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <kerf/mesh.hpp>
-#include <kerf/ray.hpp>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
+
+#include <kerf/mesh.hpp>
+#include <kerf/ray.hpp>
 
 namespace workbench {
 

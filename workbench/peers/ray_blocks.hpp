@@ -1,10 +1,10 @@
 // Many rays, each on its own: the loop that engines without one are given.
 #pragma once
 
+#include <cstddef>
+
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-
-#include <cstddef>
 
 namespace workbench {
 

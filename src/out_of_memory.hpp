@@ -1,9 +1,10 @@
 // What a failed allocation becomes at the public API.
 #pragma once
 
-#include <kerf/error.hpp>
 #include <new>
 #include <utility>
+
+#include <kerf/error.hpp>
 
 namespace kerf {
 
