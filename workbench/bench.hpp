@@ -42,8 +42,8 @@ struct BenchScene {
 struct BenchOptions {
   unsigned threads = 1;
   unsigned build_rounds = 5;   ///< the best of them counts; one more comes before to warm up
-  unsigned trace_rounds = 3;   ///< at least; likewise
-  double trace_seconds = 1.0;  ///< further rounds until those of one type of rays took as long
+  unsigned trace_rounds = 5;   ///< at least; likewise
+  double trace_seconds = 2.0;  ///< further rounds until those of one type of rays took as long
   RaySetOptions rays;
   std::function<void(double part, std::string_view what)> progress;
 };
