@@ -6,6 +6,7 @@
 #include "build/build_tree.hpp"
 #include "kernel/kernels.hpp"
 #include "kernel/wide_layout.hpp"
+#include "out_of_memory.hpp"
 #include "stages.hpp"
 #include "structure.hpp"
 
@@ -89,8 +90,14 @@ Bvh build(const TriangleMesh& mesh, const BuildOptions& options) {
 
 Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  const Geometry geometry(meshes);
-  Bvh bvh = make_bvh(geometry, build_tree(geometry, options));
+  Bvh bvh = report_out_of_memory([&] {
+    const Geometry geometry(meshes);
+    if (geometry.triangle_count() > ChildLink::max_place) {
+      throw Error(Error::too_large,
+                  "the meshes have 2^28 triangles or more, which is more than kerf can number");
+    }
+    return make_bvh(geometry, build_tree(geometry, options));
+  });
   const_cast<BvhStatistics&>(bvh.statistics()).build_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return bvh;

@@ -17,7 +17,7 @@ class KERF_API Error : public std::exception {
  public:
   enum Code {
     invalid_argument,    ///< an option or a span that cannot be right
-    non_finite_vertex,   ///< a vertex used by a triangle is infinite or not a number
+    non_finite_vertex,   ///< a vertex used by a triangle is not a number, infinite, or 2^126 and more
     index_out_of_range,  ///< a triangle names a vertex that does not exist
     too_large,           ///< more references than 32 bits can number
     out_of_memory,       ///< an allocation failed; everything taken before has been freed

@@ -71,7 +71,7 @@ class TripleView {
 
 /// One indexed triangle mesh in the caller's memory, which must stay as it is until the build has returned.
 struct TriangleMesh {
-  TripleView<float> vertices;           ///< finite positions, in any unit
+  TripleView<float> vertices;           ///< positions, in any unit; each coordinate below 2^126
   TripleView<std::uint32_t> triangles;  ///< three vertex numbers each, all below `vertices.size()`
 };
 

@@ -1,6 +1,7 @@
 #include "build/input.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <kerf/error.hpp>
@@ -16,6 +17,10 @@ template <class... Values>
   throw Error(code, sentence);
 }
 
+// Sums and differences of two coordinates, and what is made of these, stay finite below a quarter of the
+// range.
+constexpr float coordinate_limit = 0x1p126f;
+
 // Throws for the first triangle of `geometry` that is wrong, of those from `id` on.
 [[noreturn]] void explain(const Geometry& geometry, std::uint32_t id) {
   const auto [m, i] = geometry.locate(id);
@@ -29,6 +34,11 @@ template <class... Values>
     if (!is_finite({x, y, z})) {
       fail(Error::non_finite_vertex, "vertex %u of mesh %u, used by triangle %u, is (%g, %g, %g)", index, m,
            i, double{x}, double{y}, double{z});
+    }
+    if (std::max({std::abs(x), std::abs(y), std::abs(z)}) >= coordinate_limit) {
+      fail(Error::non_finite_vertex,
+           "vertex %u of mesh %u, used by triangle %u, is (%g, %g, %g), but coordinates must be below %g",
+           index, m, i, double{x}, double{y}, double{z}, double{coordinate_limit});
     }
   }
   fail(Error::invalid_argument, "triangle %u of mesh %u cannot be read", i, m);
@@ -51,8 +61,8 @@ struct Block {
       const auto [a, b, c] = m.triangles[i].values;
       if (std::max({a, b, c}) >= m.vertices.size()) return stop(id);
       const Triangle triangle = geometry.triangle_of(mesh, i);
-      // A difference of what is not finite with itself is not a number.
-      const Vec3f sum = triangle.v0 * 0.0f + triangle.v1 * 0.0f + triangle.v2 * 0.0f;
+      // Infinity times zero is not a number; four times what is beyond the limit is infinite.
+      const Vec3f sum = triangle.v0 * 4.0f * 0.0f + triangle.v1 * 4.0f * 0.0f + triangle.v2 * 4.0f * 0.0f;
       if (!(sum.x + sum.y + sum.z == 0.0f)) return stop(id);
       if (is_degenerate(triangle)) continue;
       Box3f bounds = bounds_of(triangle);
