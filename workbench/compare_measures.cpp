@@ -111,8 +111,10 @@ std::string format_ratio(double value, double base) {
 }
 
 std::string format_alpha(float alpha) {
-  if (alpha == 0.0f || alpha == 1.0f) return fmt::format("{}", static_cast<int>(alpha));
-  return fmt::format("{}", alpha);
+  constexpr float plain = 0.01f;  // from here up, decimals are shorter
+  if (alpha == 0.0f || alpha >= plain) return fmt::format("{}", alpha);
+  const double exponent = std::floor(std::log10(alpha) + 1e-6);
+  return fmt::format("{:.4g}e{:.0f}", alpha / std::pow(10.0, exponent), exponent);
 }
 
 std::string format_count(std::size_t count) {

@@ -38,7 +38,7 @@ std::vector<bool> best_of(std::span<const double> values, bool higher_is_better)
 /// `0.93×`; nothing if either is 0, so that no ratio can be had.
 std::string format_ratio(double value, double base);
 
-/// `1e-05` and the like, as short as it can be and still read back as the same float.
+/// 0.5 as `0.5`, one in a hundred thousand as `1e-5`.
 std::string format_alpha(float alpha);
 
 /// 1234567 as `1,234,567`.

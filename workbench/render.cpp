@@ -34,8 +34,8 @@ constexpr Vec3f sky_light{0.40f, 0.47f, 0.58f};
 constexpr Vec3f ground_light{0.22f, 0.18f, 0.14f};
 constexpr Vec3f camera_light{0.13f, 0.12f, 0.11f};
 constexpr Vec3f bounced_light{0.07f, 0.055f, 0.04f};  // what reaches corners from the surfaces around them
-constexpr Vec3f zenith{0.30f, 0.47f, 0.74f};
-constexpr Vec3f horizon{0.86f, 0.91f, 0.96f};
+constexpr Vec3f zenith{0.14f, 0.27f, 0.52f};
+constexpr Vec3f horizon{0.62f, 0.72f, 0.84f};
 
 Vec3f mix(const Vec3f& a, const Vec3f& b, float part) {
   return (1.0f - part) * a + part * b;

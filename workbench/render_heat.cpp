@@ -23,6 +23,9 @@ constexpr std::array<Pixel, 8> heat_stops{{{6, 8, 30},
                                            {252, 176, 58},
                                            {252, 250, 190}}};
 
+// Where scales may end, in powers of ten: quarters of these are round as well, and stand in the legend.
+constexpr float round_ends[] = {1.0f, 1.2f, 1.6f, 2.0f, 2.4f, 2.8f, 3.2f, 4.0f, 5.0f, 6.0f, 8.0f};
+
 // The part of the pixels that may lie beyond the end of the scale; a few extreme rays would darken all
 // others.
 constexpr double clipped_part = 0.002;
@@ -50,9 +53,11 @@ float common_scale(std::span<const HeatMap> maps) {
   const auto rank = static_cast<std::size_t>(static_cast<double>(costs.size() - 1) * (1.0 - clipped_part));
   std::nth_element(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(rank), costs.end());
   const float limit = std::max(costs[rank], 1.0f);
-  // Rounded up to two digits, so that the legend reads well.
-  const float digit = std::pow(10.0f, std::floor(std::log10(limit)) - 1.0f);
-  return std::max(1.0f, std::ceil(limit / digit) * digit);
+  const float decade = std::pow(10.0f, std::floor(std::log10(limit)));
+  for (const float end : round_ends) {
+    if (end * decade >= limit) return end * decade;
+  }
+  return 10.0f * decade;
 }
 
 Pixel heat_colour(float fraction) {

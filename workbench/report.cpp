@@ -76,7 +76,7 @@ std::string chart(std::string_view kind, std::size_t scene, std::string_view cap
   return fmt::format(
       "<figure class=\"chart\"><figcaption>{0}</figcaption><div><canvas data-chart=\"{1}\" "
       "data-scene=\"{2}\" "
-      "role=\"img\" aria-label=\"{0}\"></canvas></div></figure>\n",
+      "role=\"img\"></canvas></div></figure>\n",
       caption, kind, scene);
 }
 
@@ -87,9 +87,12 @@ std::string charts(const Report& report, std::size_t scene) {
            chart("sweep-speed", scene, "Rays a second, relative to the first α") + "</div>\n";
   }
   return "<div class=\"charts\">\n" +
-         chart("tree", scene, "Trees, relative to the first builder: lower is better") +
-         chart("work", scene, "Steps (solid) and triangle tests (light) a ray: lower is better") +
-         chart("speed", scene, "Million rays a second: higher is better") + "</div>\n";
+         chart("tree", scene,
+               fmt::format("Trees, relative to {} <small>lower is better</small>",
+                           escape_html(report.scenes[scene].figures.builders[0].name))) +
+         chart("work", scene,
+               "Steps (solid) and triangle tests (light) a ray <small>lower is better</small>") +
+         chart("speed", scene, "Million rays a second <small>higher is better</small>") + "</div>\n";
 }
 
 // The bar of colours under the heat views, with its numbers.
@@ -105,9 +108,9 @@ std::string legend(float scale) {
         fmt::format("<span>{:.4g}{}</span>", scale * static_cast<float>(i) / ticks, i == ticks ? "+" : "");
   }
   return fmt::format(
-      "<div class=\"legend\"><p>Steps plus triangle tests of the primary ray through each pixel, on one "
-      "scale for all "
-      "builders of this scene</p><div class=\"scale\" style=\"background: linear-gradient(to "
+      "<div class=\"legend\"><p>Steps plus triangle tests of the primary ray through each pixel; one scale "
+      "for all</p>"
+      "<div class=\"scale\" style=\"background: linear-gradient(to "
       "right{})\"></div>"
       "<div class=\"ticks\">{}</div></div>\n",
       gradient, numbers);
@@ -119,18 +122,19 @@ std::string picture(const std::vector<std::uint8_t>& png, std::string_view kind,
                      escape_html(scene), escape_html(builder), base64(png));
 }
 
-std::string gallery(const ReportScene& scene) {
-  if (scene.pictures.empty()) return "";
+std::string gallery(const Report& report, const ReportScene& scene) {
   std::string figures;
   for (std::size_t i = 0; i < scene.pictures.size(); ++i) {
     const BuilderFigures& builder = scene.figures.builders[i];
     const RayFigures& primary = builder.rays[0];
+    const std::string label =
+        report.kind == Report::Kind::sweep ? "α = " + format_alpha(builder.alpha) : builder.name;
     figures += fmt::format(
         "<figure>\n{}{}<figcaption><b>{}</b> <span>{:.1f} steps + {:.1f} tests a primary ray, mean of all "
         "viewpoints</span></figcaption></figure>\n",
-        picture(scene.pictures[i].heat, "heat", builder.name, scene.figures.name),
-        picture(scene.pictures[i].shaded, "shaded", builder.name, scene.figures.name),
-        escape_html(builder.name), primary.steps, primary.triangle_tests);
+        picture(scene.pictures[i].heat, "heat", label, scene.figures.name),
+        picture(scene.pictures[i].shaded, "shaded", label, scene.figures.name), escape_html(label),
+        primary.steps, primary.triangle_tests);
   }
   return "<div class=\"gallery\">\n" + figures + "</div>\n" + legend(scene.heat_scale);
 }
@@ -145,9 +149,11 @@ std::string section(const Report& report, std::size_t i) {
   std::string text =
       fmt::format("<section id=\"scene-{}\">\n<h2>{}</h2>\n<p class=\"facts-line\">{}. {}</p>\n", i,
                   escape_html(figures.name), facts, html_agreement(figures));
-  text += gallery(scene);
-  text += charts(report, i);
-  text += report.kind == Report::Kind::sweep ? html_sweep_table(figures) : html_tables(figures);
+  if (report.kind == Report::Kind::sweep) {
+    text += charts(report, i) + html_sweep_table(figures) + gallery(report, scene);
+  } else {
+    text += gallery(report, scene) + charts(report, i) + html_tables(figures);
+  }
   return text + "</section>\n";
 }
 

@@ -68,9 +68,8 @@ std::string html_summary(std::span<const SceneFigures> scenes) {
     for (const BuilderFigures& builder : scene.builders) {
       if (builder.name != "sbvh" || base.name == "sbvh") continue;
       body += fmt::format(
-          "<a class=\"card\" href=\"#scene-{}\"><h3>{}</h3><p><b>{}</b> the SAH cost</p><p><b>{}</b> the "
-          "rays a "
-          "second, primary and ambient occlusion</p><p><b>{}</b> the references</p></a>\n",
+          "<a class=\"card\" href=\"#scene-{}\"><h3>{}</h3>\n<p><b>{}</b> the SAH cost</p>\n"
+          "<p><b>{}</b> the rays a second (primary, AO)</p>\n<p><b>{}</b> the references</p></a>\n",
           s, escape_html(scene.name), format_ratio(builder.sah, base.sah),
           format_ratio(rays_per_second(builder, {RayType::primary, RayType::ao}),
                        rays_per_second(base, {RayType::primary, RayType::ao})),

@@ -31,7 +31,7 @@
   const lines = (scene, series) => ({
     type: 'line',
     data: {
-      labels: scene.builders.map((b) => String(b.alpha)),
+      labels: scene.builders.map(({ alpha }) => (alpha > 0 && alpha < 0.01 ? alpha.toExponential() : String(alpha))),
       datasets: series.map(([label, value], i) => ({
         label,
         data: scene.builders.map((b) => relative(value(b), value(scene.builders[0]))),
@@ -39,10 +39,9 @@
         backgroundColor: shade(others[i]),
         borderWidth: 2,
         pointRadius: 3,
-        tension: 0.2,
       })),
     },
-    options: { scales: { x: { title: { display: true, text: 'α' } }, y: { title: { display: true, text: 'relative' } } } },
+    options: { scales: { x: { title: { display: true, text: 'α' }, ticks: { maxRotation: 0 } }, y: { title: { display: true, text: 'relative' } } } },
   });
 
   const kinds = {
