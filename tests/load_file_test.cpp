@@ -1,7 +1,8 @@
 #include "workbench/load/load_file.hpp"
 
-#include <bit>
-#include <cstring>
+#include <algorithm>
+#include <limits>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <kerf/error.hpp>
@@ -128,18 +129,53 @@ TEST(LoadFile, AppliesTransformsOfNodesMirroredOnesToo) {
   EXPECT_EQ(scene.vertices.at(scene.triangles[0][2]), (Vec3f{0, 1, 5}));
 }
 
+float area_of(const Scene& scene, std::size_t begin, std::size_t end) {
+  float area = 0.0f;
+  for (std::size_t i = begin; i < end; ++i) {
+    const auto& [a, b, c] = scene.triangles[i];
+    const Vec3f ab = scene.vertices[b] - scene.vertices[a], ac = scene.vertices[c] - scene.vertices[a];
+    area += 0.5f * kerf::length(kerf::cross(ab, ac));
+  }
+  return area;
+}
+
 TEST(LoadFile, TriangulatesPolygonsWithoutLosingArea) {
   const TemporaryFolder folder;
   // An L of area 3, which a fan from its first vertex would not cover.
   const Scene scene = load_file(folder.write(
       "a.obj", "v 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nf 1 2 3 4 5 6\nl 1 2\np 1\n"));
-  float area = 0.0f;
-  for (const auto& [a, b, c] : scene.triangles) {
-    const Vec3f ab = scene.vertices[b] - scene.vertices[a], ac = scene.vertices[c] - scene.vertices[a];
-    area += 0.5f * kerf::length(kerf::cross(ab, ac));
-  }
   EXPECT_EQ(scene.triangles.size(), 4u);
-  EXPECT_FLOAT_EQ(area, 3.0f);
+  EXPECT_FLOAT_EQ(area_of(scene, 0, 4), 3.0f);
+}
+
+TEST(LoadFile, TriangulatesThePolygonsOfPlyAsWell) {
+  const TemporaryFolder folder;
+  const std::string header = ply_header("ascii", "6", "4");
+  // The same L, a face of two vertices, one of none, and one that crosses itself.
+  const Scene scene = load_file(folder.write(
+      "a.ply", header + "2 1 0\n1 1 0\n1 2 0\n0 2 0\n0 0 0\n2 0 0\n6 0 1 2 3 4 5\n2 0 1\n0\n4 0 3 1 5\n"));
+  ASSERT_EQ(scene.triangles.size(), 6u);
+  EXPECT_FLOAT_EQ(area_of(scene, 0, 4), 3.0f);
+}
+
+TEST(LoadFile, ReadsPlyOfAnyByteOrderWithPropertiesNobodyAskedFor) {
+  const TemporaryFolder folder;
+  const auto big = [](auto value) {
+    std::string bytes = binary(value);
+    std::reverse(bytes.begin(), bytes.end());
+    return bytes;
+  };
+  std::string bytes =
+      "ply\r\nformat binary_big_endian 1.0\r\nelement camera 1\r\nproperty list uchar short views\r\n"
+      "element vertex 3\r\nproperty double z\r\nproperty uchar red\r\nproperty float x\r\nproperty short "
+      "y\r\n"
+      "element face 1\r\nproperty float quality\r\nproperty list ushort uint vertex_index\r\nend_header\r\n";
+  bytes += big(std::uint8_t{2}) + big(std::int16_t{7}) + big(std::int16_t{8});
+  for (const auto& [x, y] : {std::pair<float, std::int16_t>{0.0f, 0}, {1.0f, 0}, {0.0f, 1}}) {
+    bytes += big(0.0) + big(std::uint8_t{255}) + big(x) + big(y);
+  }
+  bytes += big(0.5f) + big(std::uint16_t{3}) + big(0u) + big(1u) + big(2u);
+  expect_the_triangle(folder.write("a.ply", bytes));
 }
 
 TEST(LoadFile, UnderstandsTheOddSyntaxOfObj) {

@@ -34,6 +34,7 @@ class GltfCheck {
       gltf_ = Json::parse(text, shallow);
       if (!gltf_.is_object()) fail("is not a JSON object");
       check_nodes();
+      for (std::size_t i = 0; i < list(gltf_, "buffers").size(); ++i) buffer(i);
       const Json& meshes = list(gltf_, "meshes");
       for (std::size_t i = 0; i < meshes.size(); ++i) check_mesh(i, meshes[i]);
     } catch (const Json::exception& e) {
@@ -53,6 +54,12 @@ class GltfCheck {
     return found == object.end() ? empty : *found;
   }
 
+  std::uint64_t whole(const Json& value) const {
+    if (!value.is_number_unsigned())
+      fail(fmt::format("{} stands where a number of something should", value.dump()));
+    return value.get<std::uint64_t>();
+  }
+
   const Json& item(const char* key, std::uint64_t i) const {
     const Json& items = list(gltf_, key);
     if (i >= items.size())
@@ -66,7 +73,7 @@ class GltfCheck {
     std::vector<std::uint64_t> parent(nodes.size(), nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       for (const Json& child : list(nodes[i], "children")) {
-        const auto c = child.get<std::uint64_t>();
+        const auto c = whole(child);
         item("nodes", c);
         if (parent[c] != nodes.size())
           fail(fmt::format("nodes[{}] has two parents, {} and {}", c, parent[c], i));
@@ -89,24 +96,24 @@ class GltfCheck {
       if (attributes == primitive.end() || !attributes->contains("POSITION") ||
           !primitive.contains("indices"))
         continue;
-      const Json& positions = item("accessors", attributes->at("POSITION").get<std::uint64_t>());
-      const Json& indices = item("accessors", primitive["indices"].get<std::uint64_t>());
+      const Json& positions = item("accessors", whole(attributes->at("POSITION")));
+      const Json& indices = item("accessors", whole(primitive["indices"]));
       if (!indices.contains("bufferView") || indices.contains("sparse")) continue;  // zeros, but for a few
       check_indices(fmt::format("meshes[{}].primitives[{}]", number, i), indices,
-                    positions.at("count").get<std::uint64_t>());
+                    whole(positions.at("count")));
     }
   }
 
   void check_indices(const std::string& place, const Json& accessor, std::uint64_t vertices) {
-    const auto type = accessor.at("componentType").get<int>();
+    const auto type = whole(accessor.at("componentType"));
     const std::size_t size = type == 5121 ? 1 : type == 5123 ? 2 : type == 5125 ? 4 : 0;
     if (size == 0) fail(fmt::format("{}: indices of component type {}", place, type));
-    const Json& view = item("bufferViews", accessor["bufferView"].get<std::uint64_t>());
-    const std::string_view bytes = buffer(view.at("buffer").get<std::uint64_t>());
-    const auto count = accessor.at("count").get<std::uint64_t>();
-    const auto stride = view.value("byteStride", static_cast<std::uint64_t>(size));
+    const Json& view = item("bufferViews", whole(accessor["bufferView"]));
+    const std::string_view bytes = buffer(whole(view.at("buffer")));
+    const auto count = whole(accessor.at("count"));
+    const auto stride = whole(view.value("byteStride", Json(size)));
     const auto first =
-        view.value("byteOffset", std::uint64_t{0}) + accessor.value("byteOffset", std::uint64_t{0});
+        whole(view.value("byteOffset", Json(0u))) + whole(accessor.value("byteOffset", Json(0u)));
     constexpr std::uint64_t largest = std::uint64_t{1} << 40;  // above it the sum below could wrap
     if (first > largest || stride > 255 || count > largest ||
         first + count * stride > bytes.size() + stride - size) {
@@ -129,7 +136,7 @@ class GltfCheck {
     const Json& buffer = item("buffers", number);
     buffers_.resize(list(gltf_, "buffers").size());
     if (!buffers_[number].empty()) return buffers_[number];
-    const auto length = buffer.at("byteLength").get<std::uint64_t>();
+    const auto length = whole(buffer.at("byteLength"));
     std::string& bytes = buffers_[number];
     if (!buffer.contains("uri")) {
       bytes = binary_chunk_;

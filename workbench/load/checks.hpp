@@ -1,6 +1,6 @@
-// What the importer does not check, or not in words that help. Measured with assimp 5.2.5: of twenty damaged
-// .ply files three crash it, two hang it and four are read in part without a word; .obj and .gltf errors name
-// no place.
+// What the importer does not check, or not in words that help (docs/decisions.md has what it did with damaged
+// files). Each of these throws `kerf::Error` with one line that names the file, the place in it and what is
+// wrong.
 #pragma once
 
 #include <filesystem>
@@ -9,15 +9,12 @@
 
 namespace workbench {
 
-/// Each of these throws `kerf::Error` with one line that names the file, the place in it and what is wrong.
-
-/// Returns what makes triangles in an .obj file, written in the plainest way: of valid numbers that begin
-/// with a point, lines that `\` continues, and normals, texture coordinates and materials, assimp 5.2.5
-/// misreads some.
+/// Returns what makes triangles in an .obj file, written in the plainest way, so that nothing else can go
+/// wrong.
 std::string plain_obj(const std::filesystem::path& file, std::string_view bytes);
 
-void check_ply(const std::filesystem::path& file, std::string_view bytes);
-void check_stl(const std::filesystem::path& file, std::string_view bytes);
+/// Returns an .stl file as a binary one.
+std::string plain_stl(const std::filesystem::path& file, std::string_view bytes);
 
 /// A .gltf file, or the JSON of a .glb file with what stands in its binary chunk. Reads the buffers that it
 /// names.

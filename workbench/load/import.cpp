@@ -78,22 +78,6 @@ void keep_one_reader(Assimp::Importer& importer, const char* format) {
   }
 }
 
-// Takes away faces without vertices, which assimp counts among the polygons and whose triangulation it then
-// asserts.
-void drop_empty_faces(const aiScene& imported) {
-  for (unsigned m = 0; m < imported.mNumMeshes; ++m) {
-    aiMesh& mesh = *imported.mMeshes[m];
-    aiFace* const end = mesh.mFaces + mesh.mNumFaces;
-    const auto is_empty = [](const aiFace& face) { return face.mNumIndices == 0; };
-    aiFace* const kept = std::remove_if(mesh.mFaces, end, is_empty);
-    if (kept == end) continue;
-    mesh.mNumFaces = static_cast<unsigned>(kept - mesh.mFaces);
-    if (std::none_of(mesh.mFaces, kept, [](const aiFace& face) { return face.mNumIndices > 3; })) {
-      mesh.mPrimitiveTypes &= ~static_cast<unsigned>(aiPrimitiveType_POLYGON);
-    }
-  }
-}
-
 }  // namespace
 
 Scene import(const std::filesystem::path& file, std::string_view format, const std::string& bytes) {
@@ -102,11 +86,7 @@ Scene import(const std::filesystem::path& file, std::string_view format, const s
   Assimp::Importer importer;
   importer.SetIOHandler(new UnpackedFile(name.string(), bytes));  // which owns it from now on
   keep_one_reader(importer, std::string(format.substr(1)).c_str());
-  const aiScene* imported = importer.ReadFile(name.string(), 0);
-  if (imported != nullptr) {
-    drop_empty_faces(*imported);
-    imported = importer.ApplyPostProcessing(aiProcess_Triangulate);
-  }
+  const aiScene* imported = importer.ReadFile(name.string(), aiProcess_Triangulate);
   if (imported == nullptr || imported->mRootNode == nullptr) {
     std::string cause = importer.GetErrorString();
     std::replace(cause.begin(), cause.end(), '\n', ' ');

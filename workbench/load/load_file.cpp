@@ -13,6 +13,7 @@
 #include "workbench/load/import.hpp"
 #include "workbench/load/join_vertices.hpp"
 #include "workbench/load/read_bytes.hpp"
+#include "workbench/load/read_ply.hpp"
 
 namespace workbench {
 namespace {
@@ -58,6 +59,14 @@ void check_vertices(const Scene& scene, const std::filesystem::path& file) {
   }
 }
 
+Scene read_scene(const std::filesystem::path& file, std::string_view format, const std::string& bytes) {
+  if (format == ".ply") return read_ply(file, bytes);
+  if (format == ".obj") return import(file, format, plain_obj(file, bytes));
+  if (format == ".stl") return import(file, format, plain_stl(file, bytes));
+  format == ".glb" ? check_glb(file, bytes) : check_gltf(file, bytes, {});
+  return import(file, format, bytes);
+}
+
 }  // namespace
 
 Scene load_file(const std::filesystem::path& file) {
@@ -65,14 +74,7 @@ Scene load_file(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file, error)) {
     throw Error(Error::io, fmt::format("{}: no such file", file.string()));
   }
-  const std::string format = format_of(file);
-  std::string bytes = read_bytes(file);
-  if (format == ".obj") bytes = plain_obj(file, bytes);
-  if (format == ".ply") check_ply(file, bytes);
-  if (format == ".stl") check_stl(file, bytes);
-  if (format == ".gltf") check_gltf(file, bytes, {});
-  if (format == ".glb") check_glb(file, bytes);
-  Scene scene = import(file, format, bytes);
+  Scene scene = read_scene(file, format_of(file), read_bytes(file));
   if (scene.triangles.empty())
     throw Error(Error::bad_format, fmt::format("{}: has no triangles", file.string()));
   check_vertices(scene, file);
