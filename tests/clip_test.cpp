@@ -7,8 +7,6 @@
 #include "build/subtree.hpp"
 #include "random_triangles.hpp"
 
-#include <gtest/gtest.h>
-
 namespace {
 
 using kerf::Box3f;
