@@ -1,4 +1,5 @@
-# Builds the library alone, installs it, and builds and runs examples/minimal against what was installed.
+# Installs the library, and builds and runs examples/minimal against what was installed. The library is that of the
+# build in BINARY_DIR, or if that is not given one that is built here, alone and shared.
 # Run with -P; KerfProjectTests.cmake sets the variables.
 
 function(run)
@@ -11,13 +12,15 @@ endfunction()
 
 set(prefix ${WORK_DIR}/prefix)
 file(REMOVE_RECURSE ${prefix} ${WORK_DIR}/example)
-string(COMPARE EQUAL ${LINKAGE} Shared shared)
 set(common -G ${GENERATOR} -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
 
-run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${WORK_DIR}/library ${common} -DBUILD_SHARED_LIBS=${shared}
-    -DKERF_BUILD_TOOL=OFF -DKERF_BUILD_TESTS=OFF -DKERF_BUILD_BENCHMARKS=OFF -DKERF_BUILD_EXAMPLES=OFF)
-run(${CMAKE_COMMAND} --build ${WORK_DIR}/library)
-run(${CMAKE_COMMAND} --install ${WORK_DIR}/library --prefix ${prefix} --component library)
+if(NOT BINARY_DIR)
+  set(BINARY_DIR ${WORK_DIR}/library)
+  run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${BINARY_DIR} ${common} -DBUILD_SHARED_LIBS=ON
+      -DKERF_BUILD_TOOL=OFF -DKERF_BUILD_TESTS=OFF -DKERF_BUILD_BENCHMARKS=OFF -DKERF_BUILD_EXAMPLES=OFF)
+  run(${CMAKE_COMMAND} --build ${BINARY_DIR})
+endif()
+run(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${prefix} --component library)
 
 run(${CMAKE_COMMAND} -S ${SOURCE_DIR}/examples/minimal -B ${WORK_DIR}/example ${common} -DCMAKE_PREFIX_PATH=${prefix})
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/example)
