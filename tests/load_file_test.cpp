@@ -158,6 +158,23 @@ TEST(LoadFile, TriangulatesThePolygonsOfPlyAsWell) {
   EXPECT_FLOAT_EQ(area_of(scene, 0, 4), 3.0f);
 }
 
+TEST(LoadFile, IsNotKeptBusyByPolygonsOfManyCorners) {
+  const TemporaryFolder folder;
+  constexpr int corners = 200'000;
+  std::string ply_vertices, ply_face = std::to_string(corners), obj_lines, obj_face = "f";
+  for (int i = 0; i < corners; ++i) {
+    const std::string x = std::to_string(i % 2), y = std::to_string(i);
+    ply_vertices += x + " " + y + " 0\n";
+    obj_lines += "v " + x + " " + y + " 0\n";
+    obj_face += " " + std::to_string(i + 1);
+    ply_face += " " + std::to_string(i);
+  }
+  const std::string header = ply_header("ascii", std::to_string(corners));
+  EXPECT_EQ(load_file(folder.write("a.ply", header + ply_vertices + ply_face + "\n")).triangles.size(),
+            corners - 2u);
+  EXPECT_EQ(load_file(folder.write("a.obj", obj_lines + obj_face + "\n")).triangles.size(), corners - 2u);
+}
+
 TEST(LoadFile, ReadsPlyOfAnyByteOrderWithPropertiesNobodyAskedFor) {
   const TemporaryFolder folder;
   const auto big = [](auto value) {

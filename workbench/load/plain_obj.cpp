@@ -1,12 +1,14 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <vector>
 
 #include <fmt/format.h>
 #include <kerf/error.hpp>
 
 #include "workbench/load/checks.hpp"
 #include "workbench/load/text.hpp"
+#include "workbench/load/triangulate.hpp"
 
 namespace workbench {
 namespace {
@@ -68,9 +70,8 @@ void append_vertex(std::string& geometry, const std::filesystem::path& file, Sta
 // What stands behind a slash, the number of a texture coordinate or a normal, is left out.
 void append_face(std::string& geometry, const std::filesystem::path& file, Statement statement,
                  std::int64_t vertices_so_far, std::int64_t vertices) {
-  geometry.push_back('f');
-  int count = 0;
-  for (std::string_view word; !(word = take_word(statement.arguments)).empty(); ++count) {
+  std::vector<std::int64_t> corners;
+  for (std::string_view word; !(word = take_word(statement.arguments)).empty();) {
     const std::string_view vertex = word.substr(0, word.find('/'));
     const auto index = to_number<std::int64_t>(vertex);
     if (!index) {
@@ -86,13 +87,20 @@ void append_face(std::string& geometry, const std::filesystem::path& file, State
                       : fmt::format("{}: line {}: the face names vertex {}, but they go from 1 to {}",
                                     file.string(), statement.line, *index, vertices));
     }
-    fmt::format_to(std::back_inserter(geometry), " {}", *index < 0 ? vertices_so_far + 1 + *index : *index);
+    corners.push_back(*index < 0 ? vertices_so_far + 1 + *index : *index);
   }
-  if (count < 3) {
+  if (corners.size() < 3) {
     throw Error(Error::bad_format, fmt::format("{}: line {}: the face has fewer than three vertices",
                                                file.string(), statement.line));
   }
-  geometry.push_back('\n');
+  const auto append = std::back_inserter(geometry);
+  if (corners.size() <= most_corners_with_ears) {
+    fmt::format_to(append, "f {}\n", fmt::join(corners, " "));
+  } else {  // assimp too takes time with the square of the number of corners
+    for (std::size_t i = 2; i < corners.size(); ++i) {
+      fmt::format_to(append, "f {} {} {}\n", corners[0], corners[i - 1], corners[i]);
+    }
+  }
 }
 
 }  // namespace

@@ -6,10 +6,6 @@
 namespace workbench {
 namespace {
 
-/// Finding ears takes time with the square of the number of vertices or worse. Polygons of more vertices
-/// become fans.
-constexpr std::size_t most_vertices_with_ears = 1000;
-
 struct Point {
   double x, y;
 };
@@ -60,7 +56,7 @@ bool is_ear(const std::vector<Point>& points, const std::vector<std::size_t>& ri
 
 void append_polygon(Scene& scene, std::span<const std::uint32_t> polygon) {
   std::vector<std::size_t> ring;  // places in `polygon` of the corners that are left
-  if (polygon.size() > 3 && polygon.size() <= most_vertices_with_ears) {
+  if (polygon.size() > 3 && polygon.size() <= most_corners_with_ears) {
     const std::vector<Point> points = flatten(scene, polygon);
     for (std::size_t i = 0; i < polygon.size(); ++i) ring.push_back(i);
     for (std::size_t i = 0, tried = 0; ring.size() > 3 && tried < ring.size(); ++tried) {
