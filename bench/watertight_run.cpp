@@ -8,8 +8,8 @@
 
 #include <fmt/core.h>
 #include <kerf/kerf.hpp>
-#include <tbb/parallel_for.h>
 
+#include "parallel.hpp"
 #include "workbench/aimed_rays.hpp"
 
 int main(int argc, char** argv) {
@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
 
     constexpr std::uint32_t parts = 64;
     std::vector<workbench::AimedRayCounts> counts(parts);
-    tbb::parallel_for(0u, parts, [&](std::uint32_t part) {
+    kerf::parallel_for(parts, [&](std::uint32_t part) {
       counts[part] = workbench::trace_aimed_rays(solid, bvh, rays / solids.size() / parts + 1, part);
     });
     workbench::AimedRayCounts sum;

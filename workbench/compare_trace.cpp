@@ -6,10 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
+#include "parallel.hpp"
 #include "stages.hpp"
 
 namespace workbench {
@@ -30,7 +27,7 @@ tbb::task_arena make_arena(unsigned threads) {
 
 template <class Body>
 void for_each_block(tbb::task_arena& arena, std::size_t begin, std::size_t end, const Body& body) {
-  arena.execute([&] { tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, grain), body); });
+  kerf::execute_in(arena, [&] { kerf::parallel_for_ranges(begin, end, grain, body); });
 }
 
 // The hits end up in memory, so that no compiler may leave the tracing out.

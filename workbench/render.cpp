@@ -6,10 +6,9 @@
 #include <numbers>
 #include <optional>
 
-#include <tbb/parallel_for.h>
-
 #include "math/box3f.hpp"
 #include "math/vec3f.hpp"
+#include "parallel.hpp"
 #include "workbench/camera.hpp"
 #include "workbench/generate/random.hpp"
 
@@ -147,7 +146,7 @@ Image render(const Viewpoint& viewpoint, const RenderOptions& options, const Lig
   const float cell = 1.0f / static_cast<float>(options.samples);
   std::mutex progress_mutex;
   std::size_t rows_done = 0;
-  tbb::parallel_for(std::size_t{0}, options.height, [&](std::size_t y) {
+  kerf::parallel_for(options.height, [&](std::size_t y) {
     for (std::size_t x = 0; x < options.width; ++x) {
       RandomNumbers random(y * options.width + x);
       Vec3f sum;

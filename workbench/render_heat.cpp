@@ -4,8 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
+#include "parallel.hpp"
 #include "stages.hpp"
 #include "workbench/camera.hpp"
 
@@ -35,7 +34,7 @@ constexpr double clipped_part = 0.002;
 HeatMap trace_heat(const kerf::Bvh& bvh, const Viewpoint& viewpoint, std::size_t width, std::size_t height) {
   HeatMap map{.width = width, .height = height, .costs = std::vector<float>(width * height)};
   const Camera camera(viewpoint, width, height);
-  tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
+  kerf::parallel_for(height, [&](std::size_t y) {
     for (std::size_t x = 0; x < width; ++x) {
       kerf::TraversalCounters counters;
       intersect_counted(bvh, camera.ray_through(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f),

@@ -5,7 +5,8 @@
 #include <cstdio>
 
 #include <kerf/error.hpp>
-#include <tbb/parallel_for.h>
+
+#include "parallel.hpp"
 
 namespace kerf {
 namespace {
@@ -117,8 +118,7 @@ void check_options(const BuildOptions& options) {
 
 ReferenceSummary write_references(const Geometry& geometry, Reference* references) {
   std::vector<Block> blocks = blocks_of(geometry);
-  tbb::parallel_for(std::size_t{0}, blocks.size(),
-                    [&](std::size_t i) { blocks[i].read(geometry, references); });
+  parallel_for(blocks.size(), [&](std::size_t i) { blocks[i].read(geometry, references); });
   ReferenceSummary summary;
   for (const Block& block : blocks) {
     if (block.wrong != nothing_wrong) explain(geometry, block.wrong);

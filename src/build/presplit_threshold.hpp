@@ -10,9 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
+#include "parallel.hpp"
 #include "tree/reference.hpp"
 
 namespace kerf {
@@ -38,16 +36,15 @@ bool visit_parts(const Rule& rule, const Part& part, double threshold, Visit& vi
 template <class Rule>
 bool fits(const Rule& rule, const std::vector<Reference>& references, double threshold, std::size_t limit) {
   std::atomic<std::size_t> total{references.size()};  // what is above one a reference is added
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, references.size(), 64),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                        std::size_t count = 0;
-                        const auto visit = [&](const auto&) {
-                          return ++count == 1 || total.fetch_add(1, std::memory_order_relaxed) < limit;
-                        };
-                        if (!visit_parts(rule, rule.whole(references[i]), threshold, visit)) return;
-                      }
-                    });
+  parallel_for_ranges(std::size_t{0}, references.size(), 64, [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      std::size_t count = 0;
+      const auto visit = [&](const auto&) {
+        return ++count == 1 || total.fetch_add(1, std::memory_order_relaxed) < limit;
+      };
+      if (!visit_parts(rule, rule.whole(references[i]), threshold, visit)) return;
+    }
+  });
   return total <= limit;
 }
 

@@ -9,13 +9,11 @@
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
-#include <tbb/task_arena.h>
 
 #include "build/input.hpp"
 #include "build/progress.hpp"
 #include "build/subtree.hpp"
+#include "parallel.hpp"
 
 namespace kerf {
 namespace {
@@ -67,7 +65,7 @@ class Driver {
     }
     part.left = std::make_unique<Part>();
     part.right = std::make_unique<Part>();
-    tbb::parallel_invoke([&] { build_part(*part.left, left); }, [&] { build_part(*part.right, right); });
+    parallel_invoke([&] { build_part(*part.left, left); }, [&] { build_part(*part.right, right); });
   }
 
   // What was built takes the place of the references that it was built from, which nobody needs any more.
@@ -103,7 +101,7 @@ class Driver {
     tree.nodes.resize(nodes);
     tree.references.resize(references);
     for (const auto& [slot, node] : inner) tree.nodes[slot] = node;
-    tbb::parallel_for(std::size_t{0}, jobs.size(), [&](std::size_t i) { copy(jobs[i], tree); });
+    parallel_for(jobs.size(), [&](std::size_t i) { copy(jobs[i], tree); });
     return tree;
   }
 
@@ -176,7 +174,8 @@ BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& option
   }
   const std::unique_ptr<Reference, FreeAligned> arena(
       static_cast<Reference*>(::operator new (room * sizeof(Reference), std::align_val_t{64})));
-  return tbb::task_arena(threads_of(options)).execute([&]() -> BinaryTree {
+  tbb::task_arena threads(threads_of(options));
+  return execute_in(threads, [&]() -> BinaryTree {
     const ReferenceSummary input = write_references(geometry, arena.get());
     BinaryTree tree;
     if (input.count != 0) {
@@ -210,7 +209,8 @@ BinaryTree build_object_split_tree(std::vector<Reference> references, const Buil
   const BuildContext context{.arena = references.data(),
                              .max_leaf_size = options.max_leaf_size,
                              .spatial_minimum = worthwhile_count};
-  return tbb::task_arena(threads_of(options)).execute([&] {
+  tbb::task_arena threads(threads_of(options));
+  return execute_in(threads, [&] {
     return Driver(context, options, count).build(root, references.capacity() * sizeof(Reference));
   });
 }

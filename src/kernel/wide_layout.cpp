@@ -5,10 +5,9 @@
 #include <vector>
 
 #include <kerf/error.hpp>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "kernel/aligned_array.hpp"
+#include "parallel.hpp"
 #include "refine/collapse.hpp"
 
 namespace kerf {
@@ -131,7 +130,7 @@ WideBvh make_wide_bvh(const Geometry& geometry, const BinaryTree& tree) {
   const AlignedArray<std::uint32_t> leaves(words_per_triangle * plan.triangles + leaf_padding_words);
   std::fill_n(leaves.data() + words_per_triangle * plan.triangles, leaf_padding_words, 0u);
 
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, nodes.size(), 64), [&](const auto& range) {
+  parallel_for_ranges(std::size_t{0}, nodes.size(), 64, [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const Collapse::Children children = in_slots(tree, collapse.children(plan.plans[i].binary));
       WideNode& node = nodes[i];

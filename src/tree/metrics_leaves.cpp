@@ -5,9 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
+#include "parallel.hpp"
 #include "tree/metrics.hpp"
 
 namespace kerf {
@@ -99,21 +97,19 @@ double leaf_count_variability(const BinaryTree& tree) {
   struct Sum {
     std::uint64_t leaves = 0;
     std::uint64_t squares = 0;
+
+    Sum operator+(const Sum& other) const { return {leaves + other.leaves, squares + other.squares}; }
   };
-  const Sum sum = tbb::parallel_reduce(
-      tbb::blocked_range<std::uint32_t>(0, line_count, 256), Sum{},
-      [&tree](const tbb::blocked_range<std::uint32_t>& range, Sum part) {
-        std::vector<std::uint32_t> stack;
-        for (std::uint32_t i = range.begin(); i != range.end(); ++i) {
-          const std::uint64_t count = count_leaves(tree, even_line(tree.nodes[0].bounds, i), stack);
-          part.leaves += count;
-          part.squares += count * count;
-        }
-        return part;
-      },
-      [](const Sum& a, const Sum& b) {
-        return Sum{a.leaves + b.leaves, a.squares + b.squares};
-      });
+  const Sum sum = parallel_sum<Sum>(line_count, 256, [&tree](const auto& range) {
+    Sum part;
+    std::vector<std::uint32_t> stack;
+    for (std::uint32_t i = range.begin(); i != range.end(); ++i) {
+      const std::uint64_t count = count_leaves(tree, even_line(tree.nodes[0].bounds, i), stack);
+      part.leaves += count;
+      part.squares += count * count;
+    }
+    return part;
+  });
   const double mean = static_cast<double>(sum.leaves) / line_count;
   return std::sqrt(std::max(0.0, static_cast<double>(sum.squares) / line_count - mean * mean));
 }

@@ -2,10 +2,9 @@
 // counts.
 #include <cstdint>
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_reduce.h>
 
+#include "parallel.hpp"
 #include "tree/metrics.hpp"
 #include "tree/polygon.hpp"
 
@@ -58,15 +57,13 @@ class Overlap {
     // The grain fixes how sums are parted, so that the same tree measures the same with any number of
     // threads.
     constexpr std::size_t grain = 256;
-    return tbb::parallel_deterministic_reduce(
-        tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(geometry_.triangle_count()), grain),
-        Sum{},
-        [this](const tbb::blocked_range<std::uint32_t>& range, Sum sum) {
-          Stamps& stamps = stamps_.local();
-          for (std::uint32_t id = range.begin(); id != range.end(); ++id) sum = sum + of_triangle(id, stamps);
-          return sum;
-        },
-        [](const Sum& a, const Sum& b) { return a + b; });
+    const auto count = static_cast<std::uint32_t>(geometry_.triangle_count());
+    return parallel_sum<Sum>(count, grain, [this](const auto& range) {
+      Sum sum;
+      Stamps& stamps = stamps_.local();
+      for (std::uint32_t id = range.begin(); id != range.end(); ++id) sum = sum + of_triangle(id, stamps);
+      return sum;
+    });
   }
 
  private:

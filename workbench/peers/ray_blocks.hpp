@@ -3,8 +3,7 @@
 
 #include <cstddef>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "parallel.hpp"
 
 namespace workbench {
 
@@ -15,8 +14,8 @@ void for_ray_blocks(unsigned threads, std::size_t count, const Trace& trace) {
   // Four tiles of 8 by 8 pixels: some 20 microseconds, far more than it costs to hand out a task.
   constexpr std::size_t block = 256;
   if (threads == 1) return trace(std::size_t{0}, count);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, block),
-                    [&](const tbb::blocked_range<std::size_t>& range) { trace(range.begin(), range.end()); });
+  kerf::parallel_for_ranges(std::size_t{0}, count, block,
+                            [&](const auto& range) { trace(range.begin(), range.end()); });
 }
 
 }  // namespace workbench
