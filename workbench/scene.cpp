@@ -58,7 +58,10 @@ Scene load_source(const SceneSpec& spec) {
 Scene load_scene(std::string_view text) {
   const SceneSpec spec = parse_scene_spec(text);
   Scene scene = load_source(spec);
-  if (spec.rotate != 0.0) rotate(scene, spec.rotate);
+  if (spec.rotate != 0.0) {
+    rotate(scene, spec.rotate);
+    scene.hierarchy.reset();  // which stands as it was saved
+  }
   scene.name = std::string(text);
   return scene;
 }

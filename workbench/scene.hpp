@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <kerf/bvh.hpp>
 #include <kerf/mesh.hpp>
 #include <kerf/vec.hpp>
 
@@ -24,6 +26,9 @@ struct Scene {
   std::vector<kerf::Vec3f> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<Viewpoint> viewpoints;  ///< three or more
+
+  /// Of a .kerf file, as it was saved; its hits have the places of `triangles` for primitives.
+  std::optional<kerf::Bvh> hierarchy = {};
 
   kerf::TriangleMesh mesh() const { return {.vertices = vertices, .triangles = triangles}; }
 };

@@ -15,7 +15,7 @@ namespace kerf_tool {
 
 /// What a SCENE is, for the help of every command.
 inline constexpr const char* scene_help =
-    "A file (.obj .ply .stl .gltf .glb, gzipped or not) or a generated scene, then optionally "
+    "A file (.obj .ply .stl .gltf .glb, gzipped or not, or .kerf) or a generated scene, then optionally "
     ":rotate=DEGREES,detail=N";
 
 /// More threads than any machine has that this runs on; beyond it stands a mistake.

@@ -16,5 +16,6 @@ void add_compare_command(CLI::App& app, const std::string& command_line);
 void add_sweep_command(CLI::App& app, const std::string& command_line);
 void add_render_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
+void add_build_command(CLI::App& app);
 
 }  // namespace kerf_tool

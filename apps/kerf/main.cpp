@@ -30,6 +30,7 @@ int run(int argc, char** argv) {
   kerf_tool::add_sweep_command(app, join(argc, argv));
   kerf_tool::add_render_command(app);
   kerf_tool::add_bench_command(app);
+  kerf_tool::add_build_command(app);
   try {
     app.parse(argc, argv);
     return 0;

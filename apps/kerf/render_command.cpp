@@ -20,7 +20,7 @@ struct Options {
   std::string scene;
   std::string output;
   std::string mode = "shaded";
-  std::string builder = "sbvh";
+  std::string builder;  // empty: that of a .kerf file, else sbvh
   std::string view = "0";
   std::string size = "1280x800";
 };
@@ -51,7 +51,8 @@ Image render(const Scene& scene, const kerf::Bvh& bvh, Mode mode, const Viewpoin
 
 void run(const Options& options) {
   const Mode mode = parse_mode(options.mode);
-  const kerf::Builder builder = parse_builder("--builder", options.builder);
+  const kerf::Builder builder =
+      parse_builder("--builder", options.builder.empty() ? "sbvh" : options.builder);
   const unsigned view = parse_whole("--view", options.view, 0, 999);
   const PictureSize size = parse_size("--size", options.size);
   if (options.output != standard_output) require_writable(options.output);
@@ -61,7 +62,9 @@ void run(const Options& options) {
                                                      scene.viewpoints.size() - 1, view));
   }
   const Image image = name_errors(scene, [&] {
-    return render(scene, kerf::build(scene.mesh(), {.builder = builder}), mode, scene.viewpoints[view], size);
+    const bool saved = scene.hierarchy && options.builder.empty();
+    const kerf::Bvh bvh = saved ? *scene.hierarchy : kerf::build(scene.mesh(), {.builder = builder});
+    return render(scene, bvh, mode, scene.viewpoints[view], size);
   });
   const std::vector<std::uint8_t> png = encode_png(image);
   write_output(options.output, {reinterpret_cast<const char*>(png.data()), png.size()});
@@ -79,9 +82,10 @@ void add_render_command(CLI::App& app) {
   command->add_option("--mode", options->mode, "shaded, ao (ambient occlusion) or steps (the heat view)")
       ->type_name("NAME")
       ->capture_default_str();
-  command->add_option("--builder", options->builder, "bvh, sbvh, esc or evh")
-      ->type_name("NAME")
-      ->capture_default_str();
+  command
+      ->add_option("--builder", options->builder,
+                   "bvh, sbvh, esc or evh; if none is given, a .kerf file's own hierarchy, else sbvh")
+      ->type_name("NAME");
   command->add_option("--view", options->view, "Number of the viewpoint, from 0")
       ->type_name("N")
       ->capture_default_str();

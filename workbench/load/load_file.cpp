@@ -12,6 +12,7 @@
 #include "workbench/load/checks.hpp"
 #include "workbench/load/import.hpp"
 #include "workbench/load/join_vertices.hpp"
+#include "workbench/load/load_hierarchy.hpp"
 #include "workbench/load/read_bytes.hpp"
 #include "workbench/load/read_ply.hpp"
 
@@ -28,15 +29,17 @@ std::string lower_case(std::string text) {
 
 // The extension that says what is in the file, without the .gz of what it is packed in.
 std::string format_of(const std::filesystem::path& file) {
-  constexpr std::array known{".obj", ".ply", ".stl", ".gltf", ".glb"};
+  constexpr std::array known{".obj", ".ply", ".stl", ".gltf", ".glb", ".kerf"};
   std::filesystem::path unpacked = file;
-  if (lower_case(unpacked.extension().string()) == ".gz") unpacked.replace_extension();
+  const bool packed = lower_case(unpacked.extension().string()) == ".gz";
+  if (packed) unpacked.replace_extension();
   const std::string extension = lower_case(unpacked.extension().string());
-  if (std::find(known.begin(), known.end(), extension) == known.end()) {
+  if (std::find(known.begin(), known.end(), extension) == known.end() || (packed && extension == ".kerf")) {
     throw Error(
         Error::bad_format,
-        fmt::format("{}: of unknown type; known are .obj .ply .stl .gltf .glb, and these with .gz behind",
-                    file.string()));
+        fmt::format(
+            "{}: of unknown type; known are .obj .ply .stl .gltf .glb, and these with .gz behind, and .kerf",
+            file.string()));
   }
   return extension;
 }
@@ -74,7 +77,9 @@ Scene load_file(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file, error)) {
     throw Error(Error::io, fmt::format("{}: no such file", file.string()));
   }
-  Scene scene = read_scene(file, format_of(file), read_bytes(file));
+  const std::string format = format_of(file);
+  if (format == ".kerf") return load_hierarchy(file);
+  Scene scene = read_scene(file, format, read_bytes(file));
   if (scene.triangles.empty())
     throw Error(Error::bad_format, fmt::format("{}: has no triangles", file.string()));
   check_vertices(scene, file);

@@ -1,0 +1,67 @@
+#include <memory>
+
+#include <fmt/format.h>
+#include <kerf/kerf.hpp>
+
+#include "arguments.hpp"
+#include "commands.hpp"
+#include "output.hpp"
+#include "workbench/compare_measures.hpp"
+#include "workbench/progress.hpp"
+
+namespace kerf_tool {
+namespace {
+
+struct Options {
+  std::string scene;
+  std::string output;
+  std::string builder = "sbvh";
+  std::string alpha = "1e-5";
+  std::string threads = "0";
+};
+
+void run(const Options& options) {
+  workbench::ProgressBar bar;
+  kerf::BuildOptions build;
+  build.builder = parse_builder("--builder", options.builder);
+  build.alpha = parse_alpha("--alpha", options.alpha);
+  build.threads = parse_whole("--threads", options.threads, 0, most_threads);
+  build.progress = [&](float part) {
+    bar.show(part, "build");
+    return true;
+  };
+  require_writable(options.output);
+  const workbench::Scene scene = std::move(load_scenes({options.scene}).front());
+  const kerf::Bvh bvh = name_errors(scene, [&] { return kerf::build(scene.mesh(), build); });
+  bvh.save(options.output);
+  bar.clear();
+  const kerf::BvhStatistics& statistics = bvh.statistics();
+  write_output(standard_output.data(),
+               fmt::format("{}: {} triangles, {} references, {} bytes, built in {:.1f} ms\n", options.output,
+                           workbench::format_count(statistics.triangles),
+                           workbench::format_count(statistics.references),
+                           workbench::format_count(statistics.bytes), 1e3 * statistics.build_seconds));
+}
+
+}  // namespace
+
+void add_build_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("build", "Build the hierarchy of a scene and save it");
+  command->add_option("SCENE", options->scene, scene_help)->type_name("")->required();
+  command->add_option("-o,--output", options->output, "The .kerf file to write")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--builder", options->builder, "bvh, sbvh, esc or evh")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--alpha", options->alpha, "Spatial splits are tried above this overlap, from 0 to 1")
+      ->type_name("A")
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "0 is all there are")
+      ->type_name("N")
+      ->capture_default_str();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace kerf_tool

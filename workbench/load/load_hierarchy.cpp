@@ -1,0 +1,40 @@
+#include "workbench/load/load_hierarchy.hpp"
+
+#include <fmt/format.h>
+#include <kerf/error.hpp>
+
+#include "query/subtrees.hpp"
+#include "structure.hpp"
+#include "workbench/load/join_vertices.hpp"
+
+namespace workbench {
+
+using namespace kerf;
+
+Scene load_hierarchy(const std::filesystem::path& file) {
+  const Bvh saved = Bvh::load(file);
+  if (saved.statistics().references == 0) {
+    throw Error(Error::bad_format, fmt::format("{}: has no triangles", file.string()));
+  }
+  // As one mesh, which is what a scene has.
+  auto joined = std::make_shared<Bvh::Structure>(saved.structure());
+  joined->first_triangles = {0, static_cast<std::uint32_t>(saved.statistics().triangles)};
+
+  Scene scene;
+  scene.triangles.resize(saved.statistics().triangles);
+  scene.vertices.resize(3 * scene.triangles.size(), saved.bounds().lower);
+  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i)
+    scene.triangles[i] = {3 * i, 3 * i + 1, 3 * i + 2};
+  for_each_leaf(
+      TreeView(*joined), [](const Box3f&) { return true; },
+      [&](std::uint32_t id, const Triangle& triangle) {
+        scene.vertices[3 * std::size_t{id}] = triangle.v0;
+        scene.vertices[3 * std::size_t{id} + 1] = triangle.v1;
+        scene.vertices[3 * std::size_t{id} + 2] = triangle.v2;
+      });
+  join_vertices(scene);
+  scene.hierarchy = Bvh(std::move(joined));
+  return scene;
+}
+
+}  // namespace workbench
