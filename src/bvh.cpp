@@ -2,6 +2,8 @@
 #include <chrono>
 
 #include <kerf/kerf.hpp>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include "build/build_tree.hpp"
 #include "kernel/kernels.hpp"
@@ -25,6 +27,19 @@ std::optional<Hit> named(const Bvh::Structure& structure, Hit hit) {
   return hit;
 }
 
+// Rays that a thread traces before it looks for more: enough that the first and the last few in flight, which
+// have the core to themselves, do not count.
+constexpr std::size_t rays_a_part = 2048;
+
+template <class Trace>
+void for_parts(std::size_t count, Trace&& trace) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, rays_a_part), [&](const auto& range) {
+    for (std::size_t begin = range.begin(); begin < range.end(); begin += rays_a_part) {
+      trace(begin, std::min(rays_a_part, range.end() - begin));
+    }
+  });
+}
+
 }  // namespace
 
 Bvh::Bvh() : structure_(std::make_shared<Structure>()) {}
@@ -41,13 +56,27 @@ bool Bvh::occluded(const Ray& ray) const {
 
 void Bvh::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
   if (rays.size() != hits.size()) throw Error(Error::invalid_argument, "as many hits as rays are needed");
-  for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = intersect(rays[i]).value_or(Hit{});
+  if (structure_->wide.empty()) {
+    std::fill(hits.begin(), hits.end(), Hit{});
+    return;
+  }
+  for_parts(rays.size(), [&](std::size_t begin, std::size_t count) {
+    structure_->kernels->closest_many(structure_->wide, rays.data() + begin, count, hits.data() + begin);
+    for (Hit& hit : hits.subspan(begin, count)) hit = named(*structure_, hit).value_or(Hit{});
+  });
 }
 
 void Bvh::occluded(std::span<const Ray> rays, std::span<std::uint8_t> results) const {
-  if (rays.size() != results.size())
+  if (rays.size() != results.size()) {
     throw Error(Error::invalid_argument, "as many results as rays are needed");
-  for (std::size_t i = 0; i < rays.size(); ++i) results[i] = occluded(rays[i]);
+  }
+  if (structure_->wide.empty()) {
+    std::fill(results.begin(), results.end(), std::uint8_t{0});
+    return;
+  }
+  for_parts(rays.size(), [&](std::size_t begin, std::size_t count) {
+    structure_->kernels->any_many(structure_->wide, rays.data() + begin, count, results.data() + begin);
+  });
 }
 
 Box3f Bvh::bounds() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include <kerf/ray.hpp>
 
@@ -19,6 +20,15 @@ struct Kernels {
   bool (*any)(const WideBvh& bvh, const Ray& ray);
   Hit (*closest_counted)(const WideBvh& bvh, const Ray& ray, TraversalCounters& counters);
   bool (*any_counted)(const WideBvh& bvh, const Ray& ray, TraversalCounters& counters);
+
+  /// For many rays on one thread; misses are hits that convert to false.
+  void (*closest_many)(const WideBvh& bvh, const Ray* rays, std::size_t count, Hit* hits);
+  void (*any_many)(const WideBvh& bvh, const Ray* rays, std::size_t count, std::uint8_t* occluded);
+
+  /// For measuring what a step of `closest` costs when nothing waits for memory: the root, or the leaf, is
+  /// visited `count` times. Returns a number that means nothing.
+  std::uint64_t (*repeat_node_steps)(const WideBvh& bvh, const Ray& ray, std::size_t count);
+  std::uint64_t (*repeat_leaf_tests)(const WideBvh& bvh, const Ray& ray, ChildLink leaf, std::size_t count);
 };
 
 /// Those for the best instruction set of this machine, or for the one that the environment variable

@@ -17,6 +17,9 @@ namespace kerf {
 /// or very short: then neither distances nor inverses overflow, and t, being scaled by a power of two as
 /// well, has the same digits.
 struct PreparedRay {
+  /// Only a direction whose largest component is not between these is scaled.
+  static constexpr float shortest = 0x1p-8f, longest = 0x1p20f;
+
   Vec3f origin, direction;
   float t_min, t_max;  ///< in lengths of the direction here; both finite
   double scale = 1.0;  ///< a t of this ray is one of the caller's times `scale`
@@ -26,7 +29,7 @@ struct PreparedRay {
     const float largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
     t_min = std::max(ray.t_min, 0.0f);
     t_max = std::min(ray.t_max, std::numeric_limits<float>::max());
-    if (!(largest > 0x1p-8f && largest < 0x1p20f)) rescale(largest);
+    if (!(largest > shortest && largest < longest)) rescale(largest);
     // Zero times anything infinite or not a number is not a number, which equals nothing.
     const float zero =
         (0.0f * origin.x + 0.0f * origin.y) + (0.0f * origin.z + 0.0f * d.x) + (0.0f * d.y + 0.0f * d.z);

@@ -1,0 +1,192 @@
+// Many rays by turns on one core. Included once per instruction set.
+
+#if defined(KERF_INTERLEAVED_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_INTERLEAVED_INL
+#undef KERF_INTERLEAVED_INL
+#else
+#define KERF_INTERLEAVED_INL
+#endif
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include <hwy/cache_control.h>
+
+#include "kernel/eight_lanes-inl.h"
+#include "kernel/leaf_test-inl.h"
+#include "kernel/node_step-inl.h"
+#include "kernel/wide_ray-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+namespace {
+
+// A single ray spends most of its time waiting: for a node from memory, for a mask to become an address, for
+// a mispredicted branch. Here a few rays are in flight, each with its own stack. Every round takes all that
+// are at a node one step further, then all that are at a leaf. A step has no branch that depends on the ray:
+// it pushes what it meets, pops the nearest, and puts the ray down in the list for a node or the list for a
+// leaf; and what it needs next is on its way from memory while the others have their turn.
+//
+// When a hit comes nearer, all of a ray's stack is culled at once, so that pops need not look at t.
+template <bool any_hit>
+class Interleaved {
+  static constexpr std::uint32_t width = 16;  // rays in flight
+
+  // Behind the last entry of a stack: a link that no leaf has.
+  static constexpr std::uint32_t done = 0xffffffffu;
+
+  struct Lane {
+    WideRay ray;
+    StoredNodeConstants node_constants;
+    Hit best;
+    std::size_t result;  // where the hit goes
+    std::uint32_t link;
+    std::size_t depth;
+    Stack stack;
+  };
+
+  // The lanes that are at a node, and those that are at a leaf or at the end; behind the last there is room
+  // to write.
+  struct Lists {
+    std::uint32_t nodes = 0, leaves = 0;
+    std::uint32_t at_node[width + 1], at_leaf[width + 1];
+  };
+
+ public:
+  HWY_INLINE Interleaved(const WideBvh& bvh, const Ray* rays, std::size_t count)
+      : bvh_(bvh), rays_(rays), count_(count) {}
+
+  // `finish(i, hit)` is called once for each ray i, in any order, and returns nothing; `single(ray)` traces
+  // the few that are not fit for this.
+  template <class Finish, class Single>
+  HWY_INLINE void run(Finish&& finish, Single&& single) {
+    Lists lists;
+    for (std::uint32_t i = 0; i < width; ++i) start(i, lists, finish, single);
+    while (lists.nodes + lists.leaves > 0) {
+      const Lists turn = lists;
+      lists.nodes = lists.leaves = 0;
+      for (std::uint32_t i = 0; i < turn.nodes; ++i) step(turn.at_node[i], lists);
+      for (std::uint32_t i = 0; i < turn.leaves; ++i) {
+        const std::uint32_t number = turn.at_leaf[i];
+        if (lanes_[number].link == done) {
+          finish(lanes_[number].result, lanes_[number].best);
+          start(number, lists, finish, single);
+        } else {
+          test(number, lists);
+        }
+      }
+    }
+  }
+
+ private:
+  // Puts the next ray into the lane, if there is one.
+  template <class Finish, class Single>
+  HWY_INLINE void start(std::uint32_t number, Lists& lists, Finish&& finish, Single&& single) {
+    Lane& lane = lanes_[number];
+    while (next_ < count_) {
+      const std::size_t i = next_++;
+      const Ray& ray = rays_[i];
+      if (HWY_UNLIKELY(!set_up(ray, bvh_, lane.ray))) {
+        finish(i, single(ray));
+        continue;
+      }
+      lane.node_constants.set(lane.ray);
+      lane.best = Hit{};
+      if (!(ray.t_min <= ray.t_max)) {
+        finish(i, lane.best);
+        continue;
+      }
+      lane.best.t = std::min(ray.t_max, std::numeric_limits<float>::max());
+      lane.result = i;
+      lane.stack.link[0] = done;
+      lane.stack.t[0] = -std::numeric_limits<float>::infinity();
+      lane.depth = 1;
+      put_down(number, ChildLink::node(0).bits(), lists);
+      return;
+    }
+  }
+
+  HWY_INLINE void put_down(std::uint32_t number, std::uint32_t link, Lists& lists) {
+    lanes_[number].link = link;
+    const ChildLink child(link);
+    const std::uint32_t leaf = child.is_leaf();
+    lists.at_node[lists.nodes] = number;
+    lists.at_leaf[lists.leaves] = number;
+    lists.nodes += 1 - leaf;
+    lists.leaves += leaf;
+    const auto node_address =
+        reinterpret_cast<std::uintptr_t>(bvh_.nodes.data()) + std::size_t{link} * sizeof(WideNode);
+    const auto leaf_address =
+        reinterpret_cast<std::uintptr_t>(bvh_.leaves.data() + words_per_triangle * child.first());
+    // Written without a choice, for which compilers would put a branch that no machine predicts.
+    const std::uintptr_t address =
+        node_address ^ ((node_address ^ leaf_address) & (std::uintptr_t{0} - leaf));
+    for (std::size_t line = 0; line < 5; ++line)
+      hwy::Prefetch(reinterpret_cast<const char*>(address + 64 * line));
+  }
+
+  HWY_INLINE void step(std::uint32_t number, Lists& lists) {
+    Lane& lane = lanes_[number];
+    const WideNode& node = bvh_.nodes[lane.link];
+    const Spans spans = meet_boxes(lane.node_constants, broadcast(lane.best.t), node);
+    const std::size_t before = lane.depth;
+    std::size_t depth = before;
+    const std::uint32_t older = lane.stack.link[before - 1];
+    std::uint32_t nearest;
+    push_children<any_hit, false>(node, spans, lane.ray.octant, lane.stack, depth, nearest);
+    lane.depth = depth - 1;
+    put_down(number, depth > before ? nearest : older, lists);
+  }
+
+  HWY_INLINE void pop(std::uint32_t number, Lists& lists) {
+    Lane& lane = lanes_[number];
+    put_down(number, lane.stack.link[--lane.depth], lists);
+  }
+
+  HWY_INLINE void test(std::uint32_t number, Lists& lists) {
+    Lane& lane = lanes_[number];
+    const ChildLink leaf(lane.link);
+    const LeafConstants constants(lane.ray);
+    if (intersect_leaf(constants, bvh_.leaves.data() + words_per_triangle * leaf.first(), leaf.count(),
+                       lane.best)) {
+      if constexpr (any_hit) {
+        lane.depth = 1;
+      } else {
+        cull(lane);
+      }
+    }
+    pop(number, lists);
+  }
+
+  // Takes what lies behind the hit off the stack.
+  HWY_INLINE void cull(Lane& lane) {
+    const FloatTag floats;
+    const hn::RebindToUnsigned<FloatTag> integers;
+    const auto t_best = hn::Set(floats, lane.best.t);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < lane.depth; i += hn::Lanes(floats)) {
+      const auto t = hn::LoadU(floats, lane.stack.t + i);
+      const auto link = hn::LoadU(integers, lane.stack.link + i);
+      const auto keep = hn::And(hn::Le(t, t_best), hn::FirstN(floats, lane.depth - i));
+      hn::StoreU(hn::Compress(t, keep), floats, lane.stack.t + kept);
+      hn::StoreU(hn::Compress(link, hn::RebindMask(integers, keep)), integers, lane.stack.link + kept);
+      kept += hn::CountTrue(floats, keep);
+    }
+    lane.depth = kept;
+  }
+
+  const WideBvh& bvh_;
+  const Ray* rays_;
+  std::size_t count_;
+  std::size_t next_ = 0;
+  Lane lanes_[width];
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#endif
