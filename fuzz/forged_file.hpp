@@ -11,7 +11,7 @@
 
 #include "io/checksum.hpp"
 #include "io/file_image.hpp"
-#include "kernel/aligned_array.hpp"
+#include "tree/aligned_array.hpp"
 
 namespace forged {
 

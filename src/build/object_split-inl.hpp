@@ -43,19 +43,33 @@ HWY_INLINE float doubled_centroid(const Reference& reference, int axis) {
   return (&reference.lower.x)[axis] + (&reference.upper.x)[axis];
 }
 
-// Bins of all three axes side by side, so that one pass over them evaluates three splits at a time.
-struct ObjectBins {
-  alignas(32) float boxes[object_bin_count][3][8];
-  alignas(16) std::int32_t counts[object_bin_count][4];
-
-  HWY_INLINE void clear(int bins) {
-    const SimdBox none = empty_box();
-    for (int i = 0; i < bins; ++i) {
-      for (int axis = 0; axis < 3; ++axis) store_bin(none, boxes[i][axis]);
-      hn::Store(hn::Zero(four_ints), four_ints, counts[i]);
-    }
-  }
+// One bin of each axis side by side, so that one pass over the bins evaluates three splits at a time. 128
+// bytes, so that a shift takes a bin's number to its place.
+struct alignas(32) ThreeBins {
+  float boxes[3][8];
+  std::int32_t counts[4];
 };
+constexpr int three_bins_shift = 7;
+static_assert(sizeof(ThreeBins) == 1 << three_bins_shift);
+
+HWY_INLINE void clear(ThreeBins* bins, int bin_count) {
+  const SimdBox none = empty_box();
+  for (int i = 0; i < bin_count; ++i) {
+    for (int axis = 0; axis < 3; ++axis) store_bin(none, bins[i].boxes[axis]);
+    hn::Store(hn::Zero(four_ints), four_ints, bins[i].counts);
+  }
+}
+
+// Adds a box to the bins at these distances in bytes from the first, one an axis.
+HWY_INLINE void add(ThreeBins* bins, hn::Vec<FourInts> offsets, const SimdBox& box) {
+  alignas(16) std::int32_t offset[4];
+  hn::Store(offsets, four_ints, offset);
+  for (int axis = 0; axis < 3; ++axis) {
+    auto& bin = *reinterpret_cast<ThreeBins*>(reinterpret_cast<std::byte*>(bins) + offset[axis]);
+    store_bin(merge(load_bin(bin.boxes[axis]), box), bin.boxes[axis]);
+    ++bin.counts[axis];
+  }
+}
 
 // From coordinates to bins on three axes; an axis too short to be parted has scale 0.
 struct BinMapping {
@@ -73,33 +87,45 @@ struct BinMapping {
   }
 };
 
-HWY_NOINLINE void fill(ObjectBins& bins, const Reference* references, std::uint32_t count,
+HWY_NOINLINE void fill(ThreeBins* bins, const Reference* references, std::uint32_t count,
                        const BinMapping& mapping, int bin_count) {
   const Vec4 origin = hn::Load(four, mapping.origin), scale = hn::Load(four, mapping.scale);
   const auto last = hn::Set(four_ints, bin_count - 1);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const SimdBox box = load_box(references[i]);
+  // Neighbours often fall into the same bin, which the second must then wait for: they take turns with two
+  // sets.
+  ThreeBins others[object_bin_count];
+  const bool two_sets = count > few_references;
+  ThreeBins* const second = two_sets ? others : bins;
+  if (two_sets) clear(others, bin_count);
+  const auto add_to = [&](ThreeBins* to, const Reference& reference) {
+    const SimdBox box = load_box(reference);
     const Vec4 place = hn::Mul(hn::Sub(doubled_centroid(box), origin), scale);
-    const auto index = hn::Min(hn::ConvertTo(four_ints, place), last);
-    alignas(16) std::int32_t bin[4];
-    hn::Store(index, four_ints, bin);
+    add(to, hn::ShiftLeft<three_bins_shift>(hn::Min(hn::ConvertTo(four_ints, place), last)), box);
+  };
+  std::uint32_t i = 0;
+  for (; i + 1 < count; i += 2) {
+    add_to(bins, references[i]);
+    add_to(second, references[i + 1]);
+  }
+  if (i < count) add_to(bins, references[i]);
+  for (int b = 0; two_sets && b < bin_count; ++b) {
     for (int axis = 0; axis < 3; ++axis) {
-      float* const slot = bins.boxes[bin[axis]][axis];
-      store_bin(merge(load_bin(slot), box), slot);
-      ++bins.counts[bin[axis]][axis];
+      store_bin(merge(load_bin(bins[b].boxes[axis]), load_bin(others[b].boxes[axis])), bins[b].boxes[axis]);
     }
+    hn::Store(hn::Add(hn::Load(four_ints, bins[b].counts), hn::Load(four_ints, others[b].counts)), four_ints,
+              bins[b].counts);
   }
 }
 
 // The cheapest plane between bins, over three axes at a time.
-HWY_NOINLINE ObjectSplit cheapest(const ObjectBins& bins, std::uint32_t count, const BinMapping& mapping,
+HWY_NOINLINE ObjectSplit cheapest(const ThreeBins* bins, std::uint32_t count, const BinMapping& mapping,
                                   int bin_count) {
   alignas(16) float right_areas[object_bin_count][4];
   SimdBox x = empty_box(), y = x, z = x;
   for (int i = bin_count - 1; i > 0; --i) {
-    x = merge(x, load_bin(bins.boxes[i][0]));
-    y = merge(y, load_bin(bins.boxes[i][1]));
-    z = merge(z, load_bin(bins.boxes[i][2]));
+    x = merge(x, load_bin(bins[i].boxes[0]));
+    y = merge(y, load_bin(bins[i].boxes[1]));
+    z = merge(z, load_bin(bins[i].boxes[2]));
     hn::Store(half_areas(x, y, z), four, right_areas[i]);
   }
   x = y = z = empty_box();
@@ -107,10 +133,10 @@ HWY_NOINLINE ObjectSplit cheapest(const ObjectBins& bins, std::uint32_t count, c
   const Vec4 total = hn::Set(four, static_cast<float>(count));
   Vec4 best_cost = hn::Set(four, infinity), best_plane = hn::Zero(four);
   for (int i = 1; i < bin_count; ++i) {
-    x = merge(x, load_bin(bins.boxes[i - 1][0]));
-    y = merge(y, load_bin(bins.boxes[i - 1][1]));
-    z = merge(z, load_bin(bins.boxes[i - 1][2]));
-    left = hn::Add(left, hn::Load(four_ints, bins.counts[i - 1]));
+    x = merge(x, load_bin(bins[i - 1].boxes[0]));
+    y = merge(y, load_bin(bins[i - 1].boxes[1]));
+    z = merge(z, load_bin(bins[i - 1].boxes[2]));
+    left = hn::Add(left, hn::Load(four_ints, bins[i - 1].counts));
     const Vec4 left_count = hn::ConvertTo(four, left);
     // An empty side has infinite area and no references: not a number, which is less than nothing.
     const Vec4 cost = hn::Add(hn::Mul(half_areas(x, y, z), left_count),
@@ -132,12 +158,12 @@ HWY_NOINLINE ObjectSplit cheapest(const ObjectBins& bins, std::uint32_t count, c
 }
 
 // What the children of a binned split would enclose.
-HWY_INLINE ChildBoxes child_boxes(const ObjectBins& bins, const ObjectSplit& split, int bin_count) {
+HWY_INLINE ChildBoxes child_boxes(const ThreeBins* bins, const ObjectSplit& split, int bin_count) {
   ChildBoxes boxes{empty_box(), empty_box()};
   const int plane = static_cast<int>(split.threshold);
-  for (int i = 0; i < plane; ++i) boxes.left = merge(boxes.left, load_bin(bins.boxes[i][split.axis]));
+  for (int i = 0; i < plane; ++i) boxes.left = merge(boxes.left, load_bin(bins[i].boxes[split.axis]));
   for (int i = plane; i < bin_count; ++i)
-    boxes.right = merge(boxes.right, load_bin(bins.boxes[i][split.axis]));
+    boxes.right = merge(boxes.right, load_bin(bins[i].boxes[split.axis]));
   return boxes;
 }
 
@@ -216,38 +242,101 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
   return {hn::GetLane(least), axis, 0.0f, 1.0f, next_above(keys[best])};
 }
 
-// Reorders in place without a branch: every reference is swapped to the border, which moves on past those
-// that go left. Gives the children's counts and boxes.
+// Which side references go to, and what each side encloses.
+struct Sides {
+  ChildBoxes boxes;
+  ChildBoxes centroids;
+
+  HWY_INLINE bool add(const Reference& reference, const ObjectSplit& split) {
+    const SimdBox box = load_box(reference), centroid = centroid_box(box);
+    const float place = (doubled_centroid(reference, split.axis) - split.origin) * split.scale;
+    const BoxMask is_left = box_mask(place, split.threshold);
+    boxes.left = merge_if(is_left, boxes.left, box);
+    boxes.right = merge_if_not(is_left, boxes.right, box);
+    centroids.left = merge_if(is_left, centroids.left, centroid);
+    centroids.right = merge_if_not(is_left, centroids.right, centroid);
+    return place < split.threshold;
+  }
+};
+
+// Few references: those that go right wait in a buffer. Without a branch: each is written to both sides, and
+// the one where it belongs moves on.
+constexpr std::uint32_t buffered_limit = 256;
+
+HWY_INLINE std::uint32_t partition_buffered(Reference* references, std::uint32_t count,
+                                            const ObjectSplit& split, Sides& sides) {
+  alignas(32) std::byte memory[buffered_limit * sizeof(Reference)];
+  auto* const right = reinterpret_cast<Reference*>(memory);
+  std::uint32_t left_count = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const bool is_left = sides.add(references[i], split);
+    const Reference here = references[i];
+    right[i - left_count] = here;
+    references[left_count] = here;
+    left_count += is_left ? 1 : 0;
+  }
+  std::copy_n(right, count - left_count, references + left_count);
+  return left_count;
+}
+
+// Many references: those on the wrong side are listed, a block from either end at a time, and exchanged in
+// pairs (Edelkamp & Weiss 2016, "BlockQuicksort").
+HWY_INLINE std::uint32_t partition_in_blocks(Reference* references, std::uint32_t count,
+                                             const ObjectSplit& split, Sides& sides) {
+  constexpr std::uint32_t block = 128;
+  std::uint8_t wrong_left[block], wrong_right[block];
+  std::uint32_t begin = 0, end = count, left_first = 0, left_last = 0, right_first = 0, right_last = 0;
+  while (end - begin > 2 * block) {
+    if (left_first == left_last) {
+      left_first = left_last = 0;
+      for (std::uint32_t i = 0; i < block; ++i) {
+        wrong_left[left_last] = static_cast<std::uint8_t>(i);
+        left_last += sides.add(references[begin + i], split) ? 0 : 1;
+      }
+    }
+    if (right_first == right_last) {
+      right_first = right_last = 0;
+      for (std::uint32_t i = 0; i < block; ++i) {
+        wrong_right[right_last] = static_cast<std::uint8_t>(i);
+        right_last += sides.add(references[end - 1 - i], split) ? 1 : 0;
+      }
+    }
+    const std::uint32_t pairs = std::min(left_last - left_first, right_last - right_first);
+    for (std::uint32_t i = 0; i < pairs; ++i) {
+      std::swap(references[begin + wrong_left[left_first + i]],
+                references[end - 1 - wrong_right[right_first + i]]);
+    }
+    left_first += pairs;
+    right_first += pairs;
+    if (left_first == left_last) begin += block;
+    if (right_first == right_last) end -= block;
+  }
+  // At most one of the two blocks was left half done: whom it still lists must not be counted twice, which a
+  // minimum does not mind.
+  return begin + partition_buffered(references + begin, end - begin, split, sides);
+}
+
+// Reorders in place: those that go left come first.
 struct Partition {
   std::uint32_t left_count;
   ChildBoxes boxes, centroids;
 };
 
 HWY_NOINLINE Partition partition(Reference* references, std::uint32_t count, const ObjectSplit& split) {
-  Partition result{0, {empty_box(), empty_box()}, {empty_box(), empty_box()}};
-  Reference* border = references;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const SimdBox box = load_box(references[i]), centroid = centroid_box(box);
-    const float place = (doubled_centroid(references[i], split.axis) - split.origin) * split.scale;
-    const BoxMask is_left = box_mask(place, split.threshold);
-    result.boxes.left = merge_if(is_left, result.boxes.left, box);
-    result.boxes.right = merge_if_not(is_left, result.boxes.right, box);
-    result.centroids.left = merge_if(is_left, result.centroids.left, centroid);
-    result.centroids.right = merge_if_not(is_left, result.centroids.right, centroid);
-    const Reference here = references[i];
-    references[i] = *border;
-    *border = here;
-    border += place < split.threshold ? 1 : 0;
-  }
-  result.left_count = static_cast<std::uint32_t>(border - references);
-  return result;
+  Sides sides{{empty_box(), empty_box()}, {empty_box(), empty_box()}};
+  const std::uint32_t left_count = count <= buffered_limit
+                                       ? partition_buffered(references, count, split, sides)
+                                       : partition_in_blocks(references, count, split, sides);
+  return {left_count, sides.boxes, sides.centroids};
 }
 
-// The same where nobody asks for the bounds of the centroids.
+// The same for no more than `sweep_limit`, where nobody asks for the bounds of the centroids.
 HWY_INLINE std::uint32_t partition_few(Reference* references, std::uint32_t count, const ObjectSplit& split,
                                        ChildBoxes& boxes) {
   boxes = {empty_box(), empty_box()};
-  Reference* border = references;
+  alignas(32) std::byte memory[sweep_limit * sizeof(Reference)];
+  auto* const right = reinterpret_cast<Reference*>(memory);
+  std::uint32_t left_count = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     const SimdBox box = load_box(references[i]);
     const float key = doubled_centroid(references[i], split.axis);
@@ -255,11 +344,12 @@ HWY_INLINE std::uint32_t partition_few(Reference* references, std::uint32_t coun
     boxes.left = merge_if(is_left, boxes.left, box);
     boxes.right = merge_if_not(is_left, boxes.right, box);
     const Reference here = references[i];
-    references[i] = *border;
-    *border = here;
-    border += key < split.threshold ? 1 : 0;
+    right[i - left_count] = here;
+    references[left_count] = here;
+    left_count += key < split.threshold ? 1 : 0;
   }
-  return static_cast<std::uint32_t>(border - references);
+  std::copy_n(right, count - left_count, references + left_count);
+  return left_count;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -118,46 +118,24 @@ HWY_NOINLINE ChildBoxes chop(const Geometry& geometry, const Reference& referenc
 // bins than for one in a single bin. In the second, the triangles themselves are chopped, but at the best
 // plane of each axis alone.
 struct SpatialBins {
-  alignas(32) float begins[spatial_bin_count][3][8];
-  alignas(32) float ends[spatial_bin_count][3][8];
-  alignas(16) std::int32_t begin_counts[spatial_bin_count][4];
-  alignas(16) std::int32_t end_counts[spatial_bin_count][4];
-
-  HWY_INLINE void clear() {
-    const SimdBox none = empty_box();
-    for (int i = 0; i < spatial_bin_count; ++i) {
-      for (int axis = 0; axis < 3; ++axis) {
-        store_bin(none, begins[i][axis]);
-        store_bin(none, ends[i][axis]);
-      }
-      hn::Store(hn::Zero(four_ints), four_ints, begin_counts[i]);
-      hn::Store(hn::Zero(four_ints), four_ints, end_counts[i]);
-    }
-  }
+  ThreeBins begins[spatial_bin_count];
+  ThreeBins ends[spatial_bin_count];
 };
 
 HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint32_t count,
                        const BinMapping& mapping) {
   const Vec4 origin = hn::Load(four, mapping.origin), scale = hn::Load(four, mapping.scale);
-  const Vec4 last_bin = hn::Set(four, static_cast<float>(spatial_bin_count - 1));
+  const auto last = hn::Set(four_ints, spatial_bin_count - 1);
   for (std::uint32_t i = 0; i < count; ++i) {
     const SimdBox box = load_box(references[i]);
     const Vec4 begin = hn::Mul(hn::Sub(lower_of(box), origin), scale);
-    const Vec4 end = hn::Mul(hn::Sub(hn::Neg(negated_upper_of(box)), origin), scale);
-    // A box that ends on a plane does not reach into the bin behind it.
-    const Vec4 first = hn::Min(hn::Floor(begin), last_bin);
-    const Vec4 last = hn::Min(hn::Max(hn::Sub(hn::Ceil(end), hn::Set(four, 1.0f)), first), last_bin);
-    alignas(16) std::int32_t first_bin[4], end_bin[4];
-    hn::Store(hn::ConvertTo(four_ints, first), four_ints, first_bin);
-    hn::Store(hn::ConvertTo(four_ints, last), four_ints, end_bin);
-    for (int axis = 0; axis < 3; ++axis) {
-      float* const begin_slot = bins.begins[first_bin[axis]][axis];
-      float* const end_slot = bins.ends[end_bin[axis]][axis];
-      store_bin(merge(load_bin(begin_slot), box), begin_slot);
-      store_bin(merge(load_bin(end_slot), box), end_slot);
-      ++bins.begin_counts[first_bin[axis]][axis];
-      ++bins.end_counts[end_bin[axis]][axis];
-    }
+    const Vec4 negated_end = hn::Mul(hn::Add(negated_upper_of(box), origin), scale);
+    // A box that ends on a plane does not reach into the bin behind it: its last bin is the ceiling of its
+    // end less one, which is the complement of the floor of its negated end.
+    const auto first = hn::ConvertTo(four_ints, begin);
+    const auto end = hn::Not(hn::ConvertTo(four_ints, hn::Floor(negated_end)));
+    add(bins.begins, hn::ShiftLeft<three_bins_shift>(hn::Min(first, last)), box);
+    add(bins.ends, hn::ShiftLeft<three_bins_shift>(hn::Min(hn::Max(end, first), last)), box);
   }
 }
 
@@ -197,9 +175,9 @@ HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3
   alignas(16) float right_areas[spatial_bin_count][4];
   SimdBox x = empty_box(), y = x, z = x;
   for (int i = spatial_bin_count - 1; i > 0; --i) {
-    x = merge(x, load_bin(bins.ends[i][0]));
-    y = merge(y, load_bin(bins.ends[i][1]));
-    z = merge(z, load_bin(bins.ends[i][2]));
+    x = merge(x, load_bin(bins.ends[i].boxes[0]));
+    y = merge(y, load_bin(bins.ends[i].boxes[1]));
+    z = merge(z, load_bin(bins.ends[i].boxes[2]));
     const Vec4 areas = half_areas(intersect(x, behind[0].at(i)), intersect(y, behind[1].at(i)),
                                   intersect(z, behind[2].at(i)));
     hn::Store(areas, four, right_areas[i]);
@@ -209,11 +187,11 @@ HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3
   const Vec4 most = hn::Set(four, static_cast<float>(count) + static_cast<float>(slack));
   Vec4 best_cost = hn::Set(four, infinity), best_number = hn::Zero(four);
   for (int i = 1; i < spatial_bin_count; ++i) {
-    x = merge(x, load_bin(bins.begins[i - 1][0]));
-    y = merge(y, load_bin(bins.begins[i - 1][1]));
-    z = merge(z, load_bin(bins.begins[i - 1][2]));
-    left = hn::Add(left, hn::Load(four_ints, bins.begin_counts[i - 1]));
-    right = hn::Sub(right, hn::Load(four_ints, bins.end_counts[i - 1]));
+    x = merge(x, load_bin(bins.begins[i - 1].boxes[0]));
+    y = merge(y, load_bin(bins.begins[i - 1].boxes[1]));
+    z = merge(z, load_bin(bins.begins[i - 1].boxes[2]));
+    left = hn::Add(left, hn::Load(four_ints, bins.begins[i - 1].counts));
+    right = hn::Sub(right, hn::Load(four_ints, bins.ends[i - 1].counts));
     const Vec4 left_count = hn::ConvertTo(four, left), right_count = hn::ConvertTo(four, right);
     const Vec4 left_areas = half_areas(intersect(x, before[0].at(i)), intersect(y, before[1].at(i)),
                                        intersect(z, before[2].at(i)));
@@ -248,23 +226,23 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
   SimdBox left = empty_box(), right = left;
   std::int32_t left_count = 0, right_count = 0, straddling = static_cast<std::int32_t>(count);
   for (int i = 0; i < number; ++i) {  // those wholly on the left end there
-    left = merge(left, load_bin(bins.ends[i][axis]));
-    left_count += bins.end_counts[i][axis];
+    left = merge(left, load_bin(bins.ends[i].boxes[axis]));
+    left_count += bins.ends[i].counts[axis];
   }
   for (int i = number; i < spatial_bin_count; ++i) {
-    right = merge(right, load_bin(bins.begins[i][axis]));
-    right_count += bins.begin_counts[i][axis];
+    right = merge(right, load_bin(bins.begins[i].boxes[axis]));
+    right_count += bins.begins[i].counts[axis];
   }
   straddling -= left_count + right_count;
-  // What is chopped can only add to this.
-  const auto cost = [&] {
-    return half_area_or_zero(left) * static_cast<float>(left_count) +
-           half_area_or_zero(right) * static_cast<float>(right_count);
+  // Chopping what straddles the plane can only add to these boxes, and nearly always adds to both counts.
+  const auto least_cost = [&] {
+    return half_area_or_zero(left) * static_cast<float>(left_count + straddling) +
+           half_area_or_zero(right) * static_cast<float>(right_count + straddling);
   };
   constexpr std::uint32_t batch = 64;
   std::uint32_t straddlers[batch];
   for (std::uint32_t i = 0; i < count && straddling > 0;) {
-    if (cost() >= limit) return split;
+    if (least_cost() >= limit) return split;
     std::uint32_t found = 0;
     for (; i < count && found < batch; ++i) {
       straddlers[found] = i;
@@ -283,18 +261,19 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
       }
     }
   }
-  if (left_count == 0 || right_count == 0 || cost() >= limit) return split;
+  if (left_count == 0 || right_count == 0 || least_cost() >= limit) return split;
   split.left_count = static_cast<float>(left_count);
   split.right_count = static_cast<float>(right_count);
   split.boxes = {left, right};
-  split.cost = cost();
+  split.cost = least_cost();
   return split;
 }
 
 HWY_NOINLINE SpatialSplit find_spatial_split(const Geometry& geometry, const Reference* references,
                                              const Range& range, const Box3f& box, float object_split_cost) {
   SpatialBins bins;
-  bins.clear();
+  clear(bins.begins, spatial_bin_count);
+  clear(bins.ends, spatial_bin_count);
   const BinMapping mapping(box, spatial_bin_count);
   fill(bins, references, range.count(), mapping);
   const PlaneCandidates candidates = cheapest_planes(bins, box, range.count(), range.slack());

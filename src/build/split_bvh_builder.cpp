@@ -14,6 +14,7 @@
 #include "build/progress.hpp"
 #include "build/subtree.hpp"
 #include "parallel.hpp"
+#include "tree/aligned_array.hpp"
 
 namespace kerf {
 namespace {
@@ -160,10 +161,6 @@ std::size_t references_in_arena(std::size_t triangles, const BuildOptions& optio
   return static_cast<std::size_t>(static_cast<double>(triangles) * ratio);
 }
 
-struct FreeAligned {
-  void operator()(Reference* memory) const { ::operator delete (memory, std::align_val_t{64}); }
-};
-
 }  // namespace
 
 BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& options) {
@@ -172,18 +169,17 @@ BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& option
   if (room >= (std::size_t{1} << 31)) {
     throw Error(Error::too_large, "there may be 2^31 references or more, which is more than kerf can number");
   }
-  const std::unique_ptr<Reference, FreeAligned> arena(
-      static_cast<Reference*>(::operator new (room * sizeof(Reference), std::align_val_t{64})));
+  const AlignedArray<Reference> arena(room);
   tbb::task_arena threads(threads_of(options));
   return execute_in(threads, [&]() -> BinaryTree {
-    const ReferenceSummary input = write_references(geometry, arena.get());
+    const ReferenceSummary input = write_references(geometry, arena.data());
     BinaryTree tree;
     if (input.count != 0) {
       const float root_area = half_area(input.box);
       // Chopping could overflow where not even the area is finite: see math/clip.hpp.
       const bool can_chop = splits_space(options) && std::isfinite(root_area);
       const BuildContext context{.geometry = can_chop ? &geometry : nullptr,
-                                 .arena = arena.get(),
+                                 .arena = arena.data(),
                                  .max_leaf_size = options.max_leaf_size,
                                  .absolute_overlap = options.alpha * root_area,
                                  .relative_overlap = options.alpha > 0.0f ? worthwhile_overlap : 0.0f,

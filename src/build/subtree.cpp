@@ -93,8 +93,8 @@ bool split(const BuildContext& context, const NodeInput& node, NodeInput& left, 
   } else {
     const int bin_count = count <= few_references ? few_object_bin_count : object_bin_count;
     const BinMapping mapping(node.doubled_centroids, bin_count);
-    ObjectBins bins;
-    bins.clear(bin_count);
+    ThreeBins bins[object_bin_count];
+    clear(bins, bin_count);
     fill(bins, references, count, mapping, bin_count);
     object_split = cheapest(bins, count, mapping, bin_count);
     children = child_boxes(bins, object_split, bin_count);

@@ -6,7 +6,7 @@
 
 #include "io/file_image.hpp"
 #include "io/posix_file.hpp"
-#include "kernel/aligned_array.hpp"
+#include "tree/aligned_array.hpp"
 #include "out_of_memory.hpp"
 
 namespace kerf {

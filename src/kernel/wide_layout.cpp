@@ -6,9 +6,9 @@
 
 #include <kerf/error.hpp>
 
-#include "kernel/aligned_array.hpp"
 #include "parallel.hpp"
 #include "refine/collapse.hpp"
+#include "tree/aligned_array.hpp"
 
 namespace kerf {
 namespace {

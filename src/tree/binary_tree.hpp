@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "math/box3f.hpp"
+#include "tree/uninitialized.hpp"
 
 namespace kerf {
 
@@ -33,7 +34,8 @@ static_assert(sizeof(BinaryNode) == 32);
 
 /// A binary bounding volume hierarchy. `nodes[0]` is the root; a tree of nothing has no nodes.
 struct BinaryTree {
-  std::vector<BinaryNode> nodes;
+  std::vector<BinaryNode, UninitializedAllocator<BinaryNode>>
+      nodes;                              ///< resizing it leaves new nodes as they are
   std::vector<std::uint32_t> references;  ///< the triangles of the leaves, by their number in the `Geometry`
   std::size_t degenerate_triangles = 0;   ///< left out by the builder
   std::size_t build_peak_bytes = 0;       ///< the most that the builder held at once, this tree included
