@@ -69,6 +69,7 @@ std::optional<Candidate> find_closest(const TreeView& tree, const Vec3f& point, 
       continue;
     }
     tree.for_each_triangle(node, [&](std::uint32_t id, const Triangle& triangle) {
+      if (plane_is_beyond(point, triangle, reach)) return;
       const Candidate found{closest_on_triangle(point, triangle), id, triangle};
       if (!(found.closest.squared_distance <= reach)) return;
       if (best && !found.before(best->closest.squared_distance, best->id)) return;
@@ -100,6 +101,7 @@ std::vector<SurfacePoint> Bvh::within(const Vec3f& point, float radius) const {
     for_each_leaf(
         tree, [&](const Box3f& box) { return squared_distance(point, box) <= reach; },
         [&](std::uint32_t id, const Triangle& triangle) {
+          if (plane_is_beyond(point, triangle, reach)) return;
           const ClosestOnTriangle closest = closest_on_triangle(point, triangle);
           if (closest.squared_distance <= reach) found.push_back({closest, id, triangle});
         });

@@ -38,6 +38,23 @@ struct ClosestOnTriangle {
   double u, v;
 };
 
+/// Whether the plane of `triangle`, and so the triangle, is farther from `p` than the square root of `reach`.
+/// False where rounding leaves that open.
+inline bool plane_is_beyond(const Vec3f& p, const Triangle& triangle, double reach) {
+  const auto size = [](const Vec3d& a) { return std::abs(a.x) + std::abs(a.y) + std::abs(a.z); };
+  const Vec3d ab = difference(triangle.v1, triangle.v0), ac = difference(triangle.v2, triangle.v0);
+  const Vec3d pa = difference(triangle.v0, p);
+  const Vec3d normal = cross(ab, ac);
+  // Some ten roundings of 2^-53 on products of these sizes; of a sliver they are most of what the normal is.
+  constexpr double rounding = 32.0 / 9007199254740992.0;
+  const double error = rounding * size(ab) * size(ac);
+  const double height = std::abs(dot(normal, pa)) - error * size(pa);
+  // (n + e)^2 <= (1 + d) n^2 + (1 + 1 / d) e^2
+  constexpr double d = 1e-6;
+  const double square = (1.0 + d) * dot(normal, normal) + (1.0 + 1.0 / d) * error * error;
+  return height > 0.0 && height * height > reach * square * (1.0 + d);
+}
+
 /// The closest of the three edges' points, or the foot of the perpendicular where that falls inside. Slivers
 /// keep their accuracy: an edge's point needs no division by the triangle's area.
 inline ClosestOnTriangle closest_on_triangle(const Vec3f& p, const Triangle& triangle) {
