@@ -2,13 +2,12 @@
 #include <chrono>
 
 #include <kerf/kerf.hpp>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "build/build_tree.hpp"
 #include "kernel/kernels.hpp"
 #include "kernel/wide_layout.hpp"
 #include "out_of_memory.hpp"
+#include "parallel.hpp"
 #include "stages.hpp"
 #include "structure.hpp"
 
@@ -33,7 +32,7 @@ constexpr std::size_t rays_a_part = 2048;
 
 template <class Trace>
 void for_parts(std::size_t count, Trace&& trace) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, rays_a_part), [&](const auto& range) {
+  parallel_for_ranges(std::size_t{0}, count, rays_a_part, [&](const auto& range) {
     for (std::size_t begin = range.begin(); begin < range.end(); begin += rays_a_part) {
       trace(begin, std::min(rays_a_part, range.end() - begin));
     }

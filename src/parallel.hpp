@@ -1,125 +1,132 @@
 // oneTBB's loops, as the library and its tools use them.
 //
-// ThreadSanitizer sees synchronisation only in code that was compiled with it. The packaged oneTBB was not,
-// so that every task would seem to race with whoever spawned it. Here it is told what holds: all that
-// happened before a loop began happens before each of its tasks, and all that a task did happens before the
-// loop returns. What happens inside oneTBB itself cmake/tsan-suppressions.txt leaves out. In other builds
-// nothing is added.
+// ThreadSanitizer sees synchronisation only in code that was compiled with it, and the packaged oneTBB was
+// not: every task would seem to race with whoever spawned it. In its builds the same tasks run on threads of
+// the standard library, which it understands, so that what it reports is a race between tasks and nothing
+// else.
 #pragma once
 
 #include <tbb/blocked_range.h>
+#include <tbb/task_arena.h>
+
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define KERF_STANDARD_THREADS
+#endif
+#endif
+#if defined(__SANITIZE_THREAD__)
+#define KERF_STANDARD_THREADS
+#endif
+
+#ifdef KERF_STANDARD_THREADS
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+#else
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
-#include <tbb/task_arena.h>
-
-#if !defined(__SANITIZE_THREAD__) && defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define __SANITIZE_THREAD__
-#endif
-#endif
-
-#ifdef __SANITIZE_THREAD__
-extern "C" void __tsan_acquire(void* address);
-extern "C" void __tsan_release(void* address);
 #endif
 
 namespace kerf {
 
-/// The two moments of a loop at which one thread's work is handed to others: its beginning and its end.
-class LoopOrder {
- public:
-  /// What a task does, in its order: after the loop's beginning, before its end, also if it throws.
-  class InTask {
-   public:
-    explicit InTask(LoopOrder& order) : order_(order) { acquire(order_.begun_); }
-    ~InTask() { release(order_.ended_); }
-    InTask(const InTask&) = delete;
-    InTask& operator=(const InTask&) = delete;
+#ifdef KERF_STANDARD_THREADS
 
-   private:
-    LoopOrder& order_;
+/// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`.
+template <class Index, class Body>
+void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& body) {
+  std::atomic<std::size_t> next = 0;
+  std::exception_ptr error;
+  std::mutex error_mutex;
+  const auto size = static_cast<std::size_t>(end - begin);
+  const auto work = [&] {
+    try {
+      for (std::size_t at = next.fetch_add(grain); at < size; at = next.fetch_add(grain)) {
+        body(tbb::blocked_range<Index>(static_cast<Index>(begin + at),
+                                       static_cast<Index>(begin + std::min(at + grain, size))));
+      }
+    } catch (...) {
+      const std::lock_guard lock(error_mutex);
+      error = std::current_exception();
+    }
   };
-
-  LoopOrder() { release(begun_); }
-  ~LoopOrder() { acquire(ended_); }
-  LoopOrder(const LoopOrder&) = delete;
-  LoopOrder& operator=(const LoopOrder&) = delete;
-
- private:
-#ifdef __SANITIZE_THREAD__
-  static void acquire(char& moment) {
-    __tsan_acquire(&moment);
+  {
+    const std::jthread other(work);
+    work();
   }
-  static void release(char& moment) {
-    __tsan_release(&moment);
-  }
-#else
-  static void acquire(char&) {}
-  static void release(char&) {}
-#endif
-
-  char begun_ = 0, ended_ = 0;
-};
+  if (error) std::rethrow_exception(error);
+}
 
 /// Calls `body(i)` for every i of `0 .. count - 1`.
 template <class Index, class Body>
 void parallel_for(Index count, const Body& body) {
-  LoopOrder order;
-  tbb::parallel_for(Index{0}, count, [&](Index i) {
-    const LoopOrder::InTask in_task(order);
-    body(i);
+  parallel_for_ranges(Index{0}, count, 1, [&](const auto& range) {
+    for (Index i = range.begin(); i != range.end(); ++i) body(i);
   });
-}
-
-/// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`
-/// or more.
-template <class Index, class Body>
-void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& body) {
-  LoopOrder order;
-  tbb::parallel_for(tbb::blocked_range<Index>(begin, end, grain),
-                    [&](const tbb::blocked_range<Index>& range) {
-                      const LoopOrder::InTask in_task(order);
-                      body(range);
-                    });
 }
 
 /// The sum of `body(range)` over ranges of `0 .. count - 1`, parted and added up in the same way on any
 /// number of threads.
 template <class Sum, class Index, class Body>
 Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
-  LoopOrder order;
-  return tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<Index>(0, count, grain), Sum{},
-      [&](const tbb::blocked_range<Index>& range, const Sum& sum) {
-        const LoopOrder::InTask in_task(order);
-        return sum + body(range);
-      },
-      [&](const Sum& a, const Sum& b) {
-        const LoopOrder::InTask in_task(order);
-        return a + b;
-      });
+  std::vector<Sum> parts((static_cast<std::size_t>(count) + grain - 1) / grain);
+  parallel_for_ranges(Index{0}, count, grain,
+                      [&](const auto& range) { parts[range.begin() / grain] = body(range); });
+  Sum sum{};
+  for (const Sum& part : parts) sum = sum + part;
+  return sum;
 }
 
 /// Calls both, perhaps at once.
 template <class First, class Second>
 void parallel_invoke(const First& first, const Second& second) {
-  LoopOrder order;
-  const auto call = [&order](const auto& work) {
-    const LoopOrder::InTask in_task(order);
-    work();
-  };
-  tbb::parallel_invoke([&] { call(first); }, [&] { call(second); });
+  parallel_for(2, [&](int i) { i == 0 ? first() : second(); });
+}
+
+/// Calls `work` in `arena` and returns what it returns.
+template <class Work>
+auto execute_in(tbb::task_arena&, const Work& work) {
+  return work();
+}
+
+#else
+
+/// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`.
+template <class Index, class Body>
+void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& body) {
+  tbb::parallel_for(tbb::blocked_range<Index>(begin, end, grain), body);
+}
+
+/// Calls `body(i)` for every i of `0 .. count - 1`.
+template <class Index, class Body>
+void parallel_for(Index count, const Body& body) {
+  tbb::parallel_for(Index{0}, count, body);
+}
+
+/// The sum of `body(range)` over ranges of `0 .. count - 1`, parted and added up in the same way on any
+/// number of threads.
+template <class Sum, class Index, class Body>
+Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
+  return tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<Index>(0, count, grain), Sum{},
+      [&](const tbb::blocked_range<Index>& range, const Sum& sum) { return sum + body(range); },
+      [](const Sum& a, const Sum& b) { return a + b; });
+}
+
+/// Calls both, perhaps at once.
+template <class First, class Second>
+void parallel_invoke(const First& first, const Second& second) {
+  tbb::parallel_invoke(first, second);
 }
 
 /// Calls `work` in `arena` and returns what it returns.
 template <class Work>
 auto execute_in(tbb::task_arena& arena, const Work& work) {
-  LoopOrder order;
-  return arena.execute([&] {
-    const LoopOrder::InTask in_task(order);
-    return work();
-  });
+  return arena.execute(work);
 }
+
+#endif
 
 }  // namespace kerf
