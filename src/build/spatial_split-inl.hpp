@@ -8,6 +8,11 @@
 #define KERF_BUILD_SPATIAL_SPLIT_INL
 #endif
 
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+#include <utility>
+
 #include "build/object_split-inl.hpp"
 #include "math/clip.hpp"
 #include "tree/geometry.hpp"
@@ -70,6 +75,19 @@ HWY_INLINE Vec4 load_corner(const TripleView<float>& vertices, std::uint32_t ind
     corner = hn::Load(four, copy);
   }
   return hn::Add(corner, hn::Zero(four));
+}
+
+// Triangles lie far apart in memory from each other, and their corners from them: both are fetched ahead.
+HWY_INLINE void prefetch_indices(const Geometry& geometry, std::uint32_t id) {
+  const auto [mesh, primitive] = geometry.locate(id);
+  const auto& triangles = geometry.meshes()[mesh].triangles;
+  hwy::Prefetch(triangles.data() + primitive * triangles.stride());
+}
+HWY_INLINE void prefetch_corners(const Geometry& geometry, std::uint32_t id) {
+  const auto [mesh, primitive] = geometry.locate(id);
+  const TriangleMesh& m = geometry.meshes()[mesh];
+  const auto indices = m.triangles[primitive];
+  for (const std::uint32_t index : indices.values) hwy::Prefetch(m.vertices.data() + index * m.vertices.stride());
 }
 
 // As `chop` in math/clip.hpp, whose comments explain it; but the three edges are treated alike, without a
@@ -249,6 +267,8 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
       found += split.straddled_by(references[i]) ? 1 : 0;
     }
     straddling -= static_cast<std::int32_t>(found);
+    for (std::uint32_t k = 0; k < found; ++k) prefetch_indices(geometry, references[straddlers[k]].primitive);
+    for (std::uint32_t k = 0; k < found; ++k) prefetch_corners(geometry, references[straddlers[k]].primitive);
     for (std::uint32_t k = 0; k < found; ++k) {
       const ChildBoxes parts = chop(geometry, references[straddlers[k]], axis, split.plane);
       if (!is_empty(parts.left)) {
@@ -278,9 +298,13 @@ HWY_NOINLINE SpatialSplit find_spatial_split(const Geometry& geometry, const Ref
   fill(bins, references, range.count(), mapping);
   const PlaneCandidates candidates = cheapest_planes(bins, box, range.count(), range.slack());
   SpatialSplit best;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(candidates.costs[axis] < worth_chopping * object_split_cost) || mapping.scale[axis] == 0.0f)
-      continue;
+  // The most promising first: what it costs is a limit that lets the others be given up sooner.
+  int order[3] = {0, 1, 2};
+  std::sort(order, order + 3,
+            [&](int a, int b) { return std::pair(candidates.costs[a], a) < std::pair(candidates.costs[b], b); });
+  for (const int axis : order) {
+    if (!(candidates.costs[axis] < worth_chopping * object_split_cost)) break;
+    if (mapping.scale[axis] == 0.0f) continue;
     const SpatialSplit split = chop_at(geometry, bins, references, range.count(), box, mapping, axis,
                                        candidates.numbers[axis], std::min(object_split_cost, best.cost));
     if (split.cost < best.cost) best = split;
