@@ -148,8 +148,7 @@ class Measuring {
         figures.disagreements += count_differences(pass.hits, first_hits);
     }
     const std::vector<double> seconds = time_interleaved(
-        result_.hierarchies, set,
-        {.threads = options_.threads, .rounds = options_.rounds, .seconds = options_.seconds_per_type});
+        result_.hierarchies, set, {.rounds = options_.rounds, .seconds = options_.seconds_per_type});
     for (std::size_t i = 0; i < contenders_.size(); ++i) {
       if (!set.rays.empty()) {
         result_.figures.builders[i].rays[place].mrays_per_s =

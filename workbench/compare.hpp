@@ -28,7 +28,7 @@ struct RayFigures {
   std::size_t hits = 0;
   double steps = 0.0;           ///< inner-node visits a ray
   double triangle_tests = 0.0;  ///< triangle tests a ray
-  double mrays_per_s = 0.0;     ///< best of at least three rounds, interleaved with the other hierarchies
+  double mrays_per_s = 0.0;  ///< on one thread; best of at least three rounds, in turn with other hierarchies
 };
 
 /// What one contender built, and how it fared.
@@ -56,7 +56,7 @@ struct SceneFigures {
 };
 
 struct CompareOptions {
-  unsigned threads = 0;           ///< that build and trace; 0 is all there are
+  unsigned threads = 0;           ///< that build and count; 0 is all there are. Rays are timed on one
   RaySetOptions rays = {};        ///< size of each viewpoint's picture
   unsigned rounds = 3;            ///< the fewest rounds of timing
   double seconds_per_type = 1.0;  ///< more rounds are made until all hierarchies together traced this long

@@ -47,8 +47,8 @@ constexpr std::array<Measure<RayFigures>, 3> ray_list{{
     {"triangle_tests", "tests/ray", "Triangles that a ray is tested against", false,
      [](const RayFigures& f) { return f.triangle_tests; }, four_digits},
     {"mrays_per_s", "Mrays/s",
-     "Millions of rays traced in a second: the timed traversal, which counts nothing", true,
-     [](const RayFigures& f) { return f.mrays_per_s; }, four_digits},
+     "Millions of rays that one thread traces in a second, counting nothing: the best of several rounds",
+     true, [](const RayFigures& f) { return f.mrays_per_s; }, four_digits},
 }};
 
 }  // namespace

@@ -17,19 +17,23 @@ using Clock = std::chrono::steady_clock;
 // Rays that a thread takes at once: four tiles of 8 by 8 pixels.
 constexpr std::size_t grain = 256;
 
-// Into how many slices a set is cut for timing. Each must take long beside starting the threads, some ten
-// microseconds: at 100,000 rays and ten million a second a slice takes about a millisecond.
-constexpr std::size_t slice_count = 8;
+// Into how many slices a set is cut for timing. At 200,000 rays and some million a second a slice takes less
+// than a millisecond, shorter than the spans for which a busy system lets a thread run: docs/decisions.md has
+// the spread of results for other numbers.
+constexpr std::size_t slice_count = 128;
 
 tbb::task_arena make_arena(unsigned threads) {
   return threads == 0 ? tbb::task_arena() : tbb::task_arena(static_cast<int>(threads));
 }
 
+<<<<<<< HEAD
 template <class Body>
 void for_each_block(tbb::task_arena& arena, std::size_t begin, std::size_t end, const Body& body) {
   kerf::execute_in(arena, [&] { kerf::parallel_for_ranges(begin, end, grain, body); });
 }
 
+=======
+>>>>>>> 5c1d8c6 (Compare: rays timed on one thread in short slices, which a busy machine disturbs least)
 // The hits end up in memory, so that no compiler may leave the tracing out.
 void trace(const kerf::Bvh& bvh, const RaySet& set, std::size_t begin, std::size_t end,
            std::span<kerf::Hit> hits) {
@@ -46,8 +50,7 @@ void trace(const kerf::Bvh& bvh, const RaySet& set, std::size_t begin, std::size
 CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned threads) {
   CountedPass pass{.hits = std::vector<kerf::Hit>(set.rays.size())};
   std::atomic<std::size_t> steps = 0, triangle_tests = 0;
-  tbb::task_arena arena = make_arena(threads);
-  for_each_block(arena, 0, set.rays.size(), [&](const tbb::blocked_range<std::size_t>& block) {
+  const auto trace_block = [&](const tbb::blocked_range<std::size_t>& block) {
     kerf::TraversalCounters counters;
     for (std::size_t i = block.begin(); i < block.end(); ++i) {
       if (set.any_hit()) {
@@ -58,7 +61,9 @@ CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned thre
     }
     steps += counters.steps;
     triangle_tests += counters.triangle_tests;
-  });
+  };
+  make_arena(threads).execute(
+      [&] { tbb::parallel_for(tbb::blocked_range<std::size_t>(0, set.rays.size(), grain), trace_block); });
   pass.steps = steps;
   pass.triangle_tests = triangle_tests;
   pass.hit_count = static_cast<std::size_t>(std::count_if(
@@ -73,7 +78,6 @@ std::vector<double> time_interleaved(std::span<const kerf::Bvh> hierarchies, con
   untimed.fill(std::numeric_limits<double>::infinity());
   std::vector<Slices> best(hierarchies.size(), untimed);
   std::vector<kerf::Hit> hits(set.rays.size());
-  tbb::task_arena arena = make_arena(options.threads);
 
   double spent = 0.0;
   for (unsigned round = 0; round < options.rounds || spent < options.seconds; ++round) {
@@ -83,9 +87,7 @@ std::vector<double> time_interleaved(std::span<const kerf::Bvh> hierarchies, con
         const std::size_t begin = set.rays.size() * slice / slice_count;
         const std::size_t end = set.rays.size() * (slice + 1) / slice_count;
         const auto start = Clock::now();
-        for_each_block(arena, begin, end, [&](const tbb::blocked_range<std::size_t>& block) {
-          trace(hierarchies[h], set, block.begin(), block.end(), hits);
-        });
+        trace(hierarchies[h], set, begin, end, hits);
         best[h][slice] =
             std::min(best[h][slice], std::chrono::duration<double>(Clock::now() - start).count());
       }

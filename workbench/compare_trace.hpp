@@ -22,12 +22,11 @@ struct CountedPass {
 CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned threads);
 
 struct TimingOptions {
-  unsigned threads = 0;
   unsigned rounds = 3;   ///< at least
   double seconds = 1.0;  ///< go on until all passes together took this long
 };
 
-/// Seconds that each hierarchy takes for the set, ray by ray through the public calls, on `threads` threads.
+/// Seconds that each hierarchy takes for the set, ray by ray through the public calls, on one thread.
 ///
 /// The hierarchies take turns, round after round. The set is cut into slices, and the time of a hierarchy is
 /// the sum of the best times of its slices: a disturbance of the machine must then hit the same slice in

@@ -24,6 +24,19 @@ constexpr std::string_view error_counter = R"(
   addEventListener('unhandledrejection', () => { document.documentElement.dataset.errors++; });
 )";
 
+constexpr std::string_view comparison_lead =
+    "Bounding volume hierarchies with spatial splits (<b>sbvh</b>: Stich, Friedrich &amp; Dietrich 2009) "
+    "beside plain object splits (<b>bvh</b>) and two ways of splitting triangles beforehand, with the same "
+    "number of references: early split clipping (<b>esc</b>: Ernst &amp; Greiner 2007) and the edge volume "
+    "heuristic (<b>evh</b>: Dammertz &amp; Keller 2008). All traced the same rays in the same run, taking "
+    "turns.";
+
+constexpr std::string_view sweep_lead =
+    "A spatial split is tried where the children of the best object split overlap by more than <i>α</i> of "
+    "the "
+    "root’s surface. From <i>α</i>&nbsp;=&nbsp;1, the plain BVH, down to 0, where one is always tried: cost, "
+    "references and speed.";
+
 std::string page_title(const Report& report) {
   if (report.kind == Report::Kind::sweep) return "What alpha buys";
   return "What the splits bought";
@@ -47,26 +60,12 @@ std::string masthead(const Report& report) {
       "<pre class=\"command\"><code>{}</code></pre>\n"
       "<dl class=\"facts\">\n"
       "<div><dt>Processor</dt><dd>{}</dd></div>\n"
-      "<div><dt>Threads</dt><dd>{} of {}</dd></div>\n"
+      "<div><dt>Threads</dt><dd>builds {} of {}, rays 1</dd></div>\n"
       "<div><dt>System</dt><dd>{}</dd></div>\n"
       "<div><dt>Versions</dt><dd>kerf {}, {}</dd></div>\n"
       "<div><dt>Made</dt><dd>{}</dd></div>\n"
       "</dl>\n</header>\n",
-      page_title(report),
-      report.kind == Report::Kind::sweep
-          ? "A spatial split is tried where the children of the best object split overlap by more than "
-            "<i>α</i> of the root’s surface. From <i>α</i>&nbsp;=&nbsp;1, the plain BVH, down to 0, where "
-            "one is "
-            "always tried: cost, references and speed."
-          : "Bounding volume hierarchies with spatial splits (<b>sbvh</b>: Stich, Friedrich &amp; Dietrich "
-            "2009) "
-            "beside plain object splits (<b>bvh</b>) and two ways of splitting triangles beforehand, with "
-            "the same "
-            "number of references: early split clipping (<b>esc</b>: Ernst &amp; Greiner 2007) and the edge "
-            "volume "
-            "heuristic (<b>evh</b>: Dammertz &amp; Keller 2008). All traced the same rays in the same run, "
-            "taking "
-            "turns.",
+      page_title(report), report.kind == Report::Kind::sweep ? sweep_lead : comparison_lead,
       escape_html(report.command), escape_html(machine.processor), report.threads, machine.threads,
       escape_html(machine.system), escape_html(report.version), escape_html(machine.compiler),
       escape_html(report.date));
@@ -74,9 +73,8 @@ std::string masthead(const Report& report) {
 
 std::string chart(std::string_view kind, std::size_t scene, std::string_view caption) {
   return fmt::format(
-      "<figure class=\"chart\"><figcaption>{0}</figcaption><div><canvas data-chart=\"{1}\" "
-      "data-scene=\"{2}\" "
-      "role=\"img\"></canvas></div></figure>\n",
+      "<figure class=\"chart\"><figcaption>{}</figcaption>\n"
+      "<div><canvas data-chart=\"{}\" data-scene=\"{}\" role=\"img\"></canvas></div></figure>\n",
       caption, kind, scene);
 }
 
@@ -108,11 +106,9 @@ std::string legend(float scale) {
         fmt::format("<span>{:.4g}{}</span>", scale * static_cast<float>(i) / ticks, i == ticks ? "+" : "");
   }
   return fmt::format(
-      "<div class=\"legend\"><p>Steps plus triangle tests of the primary ray through each pixel; one scale "
-      "for all</p>"
-      "<div class=\"scale\" style=\"background: linear-gradient(to "
-      "right{})\"></div>"
-      "<div class=\"ticks\">{}</div></div>\n",
+      "<div class=\"legend\">\n<p>Steps plus triangle tests of the primary ray through each pixel</p>\n"
+      "<div class=\"scale\" style=\"background: linear-gradient(to right{})\"></div>\n"
+      "<div class=\"ticks\">{}</div>\n</div>\n",
       gradient, numbers);
 }
 

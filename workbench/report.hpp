@@ -18,8 +18,8 @@ struct Pictures {
 
 struct ReportScene {
   SceneFigures figures;
-  std::vector<Pictures> pictures;  ///< one for each builder
-  float heat_scale = 1.0f;         ///< steps plus triangle tests where the colours end
+  std::vector<Pictures> pictures = {};  ///< one for each builder, or none
+  float heat_scale = 1.0f;              ///< steps plus triangle tests where the colours end
 };
 
 struct Report {
@@ -32,7 +32,7 @@ struct Report {
   std::string command;  ///< that made it
   std::string version;  ///< of kerf
   std::string date;
-  unsigned threads = 1;  ///< that built and traced
+  unsigned threads = 1;  ///< that built
   Machine machine;
 };
 

@@ -107,7 +107,7 @@ std::string html_tables(const SceneFigures& scene) {
 std::string html_sweep_table(const SceneFigures& scene) {
   std::vector<std::string> alphas;
   for (const BuilderFigures& builder : scene.builders) alphas.push_back(format_alpha(builder.alpha));
-  HtmlTable table("α from the plain BVH to a spatial split tried everywhere", "α", alphas);
+  HtmlTable table("Trees and speed by α", "α", alphas);
   for (const auto& measure : tree_measures()) {
     table.add(measure.title, measure.meaning, values_of(scene, measure.value), measure.higher_is_better,
               measure.format);

@@ -81,7 +81,7 @@ std::string describe(const Scene& scene, kerf::Builder builder) {
 void run(const Options& options) {
   const kerf::Builder builder = parse_builder("--builder", options.builder);
   const Scene scene = std::move(load_scenes({options.scene}).front());
-  write_output("-", name_errors(scene, [&] { return describe(scene, builder); }));
+  write_output(standard_output, name_errors(scene, [&] { return describe(scene, builder); }));
 }
 
 }  // namespace

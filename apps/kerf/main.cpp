@@ -14,9 +14,17 @@ namespace {
 constexpr int failure = 1;
 constexpr int bad_usage = 2;
 
+// An argument as a shell would have to read it.
+std::string quote(const std::string& argument) {
+  const bool plain = argument.find_first_not_of(
+                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                         "_-./,:=+@%") == std::string::npos;
+  return plain && !argument.empty() ? argument : fmt::format("'{}'", argument);
+}
+
 std::string join(int argc, char** argv) {
   std::string line = "kerf";
-  for (int i = 1; i < argc; ++i) line += std::string(" ") + argv[i];
+  for (int i = 1; i < argc; ++i) line += fmt::format(" {}", quote(argv[i]));
   return line;
 }
 

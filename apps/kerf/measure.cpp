@@ -24,14 +24,90 @@ using namespace workbench;
 constexpr unsigned fewest_rounds = 3;
 constexpr unsigned most_rounds = 1000;
 
+// What a measurement is to do, checked.
+struct Plan {
+  CompareOptions compare;
+  PictureSize pictures{};
+  std::string json;
+  std::string report;
+  bool print_tables = true;
+};
+
+Plan check(const MeasureOptions& given) {
+  Plan plan;
+  plan.json = given.json;
+  plan.report = given.report;
+  plan.print_tables = given.json != standard_output;
+  plan.compare.threads = parse_whole("--threads", given.threads, 0, most_threads);
+  const PictureSize pixels = parse_size("--pixels", given.pixels);
+  plan.compare.rays = {.width = pixels.width, .height = pixels.height};
+  if (!given.rounds.empty()) {
+    plan.compare.rounds = parse_whole("--rounds", given.rounds, fewest_rounds, most_rounds);
+    plan.compare.seconds_per_type = 0.0;
+  }
+  plan.pictures = parse_size("--pictures", given.pictures);
+  require_writable(given.json);
+  require_writable_directory(given.report);
+  return plan;
+}
+
+// Scene after scene; the table of each is printed as soon as it is known.
+std::vector<ReportScene> measure(const Measurement& measurement, const Plan& plan,
+                                 const std::vector<Scene>& scenes) {
+  const Emphasis emphasis = isatty(STDOUT_FILENO) ? Emphasis::bold : Emphasis::mark;
+  std::vector<ReportScene> measured;
+  ProgressBar bar;
+  for (const Scene& scene : scenes) {
+    CompareOptions options = plan.compare;
+    options.progress = [&](double part, std::string_view what) {
+      bar.show((static_cast<double>(measured.size()) + part) / static_cast<double>(scenes.size()),
+               fmt::format("{}: {}", scene.name, what));
+    };
+    const Comparison comparison =
+        name_errors(scene, [&] { return compare(scene, measurement.contenders, options); });
+    if (plan.report.empty()) {
+      measured.push_back({.figures = comparison.figures});
+    } else {
+      options.progress(1.0, "pictures");
+      measured.push_back(make_report_scene(scene, comparison, plan.pictures.width, plan.pictures.height));
+    }
+    bar.clear();
+    if (!plan.print_tables) continue;
+    if (measured.size() > 1) write_output(standard_output, "\n");
+    write_output(standard_output, measurement.format_table(comparison.figures, emphasis));
+  }
+  return measured;
+}
+
 std::string today() {
   return fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::chrono::system_clock::now()));
+}
+
+void write(const Measurement& measurement, const Plan& plan, const std::vector<ReportScene>& measured) {
+  if (!plan.json.empty()) {
+    std::vector<SceneFigures> figures;
+    for (const ReportScene& scene : measured) figures.push_back(scene.figures);
+    write_output(plan.json, to_json(figures, KERF_VERSION).dump(2) + "\n");
+  }
+  if (plan.report.empty()) return;
+  Report report{.kind = measurement.kind,
+                .scenes = measured,
+                .command = measurement.command_line,
+                .version = KERF_VERSION,
+                .date = today(),
+                .machine = this_machine()};
+  report.threads = plan.compare.threads == 0 ? report.machine.threads : plan.compare.threads;
+  const std::string page = (std::filesystem::path(plan.report) / "index.html").string();
+  write_output(page, render_html(report));
+  if (plan.print_tables) write_output(standard_output, fmt::format("\nThe report is {}\n", page));
 }
 
 }  // namespace
 
 void add_options(CLI::App& command, MeasureOptions& options) {
-  command.add_option("--threads", options.threads, "Threads that build and trace; 0 is all there are")
+  command
+      .add_option("--threads", options.threads,
+                  "Threads that build; 0 is all there are. Rays are timed on one")
       ->type_name("N")
       ->capture_default_str();
   command.add_option("--pixels", options.pixels, "WIDTHxHEIGHT of each viewpoint, one primary ray a pixel")
@@ -52,58 +128,16 @@ void add_options(CLI::App& command, MeasureOptions& options) {
 }
 
 void measure_and_write(const Measurement& measurement) {
-  const MeasureOptions& given = measurement.options;
-  CompareOptions options{.threads = parse_whole("--threads", given.threads, 0, most_threads)};
-  const PictureSize pixels = parse_size("--pixels", given.pixels);
-  options.rays = {.width = pixels.width, .height = pixels.height};
-  if (!given.rounds.empty()) {
-    options.rounds = parse_whole("--rounds", given.rounds, fewest_rounds, most_rounds);
-    options.seconds_per_type = 0.0;
-  }
-  const PictureSize pictures = parse_size("--pictures", given.pictures);
-  require_writable(given.json);
-  require_writable_directory(given.report);
+  const Plan plan = check(measurement.options);
   const std::vector<Scene> scenes = load_scenes(measurement.specs);
-  const bool print_tables = given.json != standard_output;
-  const Emphasis emphasis = isatty(STDOUT_FILENO) ? Emphasis::bold : Emphasis::mark;
-
-  Report report{.kind = measurement.kind,
-                .scenes = {},
-                .command = measurement.command_line,
-                .version = KERF_VERSION,
-                .date = today(),
-                .machine = this_machine()};
-  report.threads = options.threads == 0 ? report.machine.threads : options.threads;
-  std::vector<SceneFigures> figures;
-  ProgressBar bar;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    options.progress = [&](double part, std::string_view what) {
-      bar.show((static_cast<double>(i) + part) / static_cast<double>(scenes.size()),
-               fmt::format("{}: {}", scenes[i].name, what));
-    };
-    const Comparison comparison =
-        name_errors(scenes[i], [&] { return compare(scenes[i], measurement.contenders, options); });
-    figures.push_back(comparison.figures);
-    if (!given.report.empty())
-      report.scenes.push_back(make_report_scene(scenes[i], comparison, pictures.width, pictures.height));
-    bar.clear();
-    if (print_tables) {
-      if (i != 0) write_output("-", "\n");
-      write_output("-", measurement.format_table(comparison.figures, emphasis));
+  const std::vector<ReportScene> measured = measure(measurement, plan, scenes);
+  write(measurement, plan, measured);
+  for (const ReportScene& scene : measured) {
+    if (const std::size_t count = scene.figures.disagreements()) {
+      throw kerf::Error(
+          kerf::Error::bad_format,
+          fmt::format("{}: {} hits differ between the trees, which is a bug", scene.figures.name, count));
     }
-  }
-
-  if (!given.json.empty()) write_output(given.json, to_json(figures, KERF_VERSION).dump(2) + "\n");
-  if (!given.report.empty()) {
-    const std::string page = (std::filesystem::path(given.report) / "index.html").string();
-    write_output(page, render_html(report));
-    if (print_tables) write_output("-", fmt::format("\nThe report is {}\n", page));
-  }
-  for (const SceneFigures& scene : figures) {
-    if (scene.disagreements() == 0) continue;
-    throw kerf::Error(kerf::Error::bad_format,
-                      fmt::format("{}: {} hits differ between the builders, which is a bug", scene.name,
-                                  scene.disagreements()));
   }
 }
 

@@ -8,7 +8,7 @@
 namespace kerf_tool {
 
 /// The name that stands for standard output.
-inline constexpr std::string_view standard_output = "-";
+inline constexpr const char* standard_output = "-";
 
 /// Makes sure, before long work begins, that `file` can be written. Leaves it as it is.
 void require_writable(const std::string& file);

@@ -19,7 +19,7 @@ void run() {
     counts.cells.push_back({format_count(scene.generate(1.0).triangles.size())});
     descriptions.cells.push_back({std::string(scene.description)});
   }
-  write_output("-", format({names, counts, descriptions}, Emphasis::mark));
+  write_output(standard_output, format({names, counts, descriptions}, Emphasis::mark));
 }
 
 }  // namespace
