@@ -26,10 +26,6 @@ std::optional<Hit> named(const Bvh::Structure& structure, Hit hit) {
   return hit;
 }
 
-// Rays that a thread traces before it looks for more: enough that the first and the last few in flight, which
-// have the core to themselves, do not count.
-constexpr std::size_t rays_a_part = 2048;
-
 template <class Trace>
 void for_parts(std::size_t count, Trace&& trace) {
   parallel_for_ranges(std::size_t{0}, count, rays_a_part, [&](const auto& range) {

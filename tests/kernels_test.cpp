@@ -63,3 +63,36 @@ TEST(Kernels, CountingChangesNoHit) {
   EXPECT_GT(counters.steps, 2000u);
   EXPECT_GE(counters.triangle_tests, counters.leaves);
 }
+
+TEST(Kernels, RaysThatKeepTogetherAreHitAsSingleOnes) {
+  std::mt19937 random(12);
+  for (const float size : {0.05f, 0.6f}) {
+    TriangleSoup soup = random_soup(random, 3000, size, 0.5f);
+    const std::vector<std::uint32_t> once(soup.triangles.begin(), soup.triangles.begin() + 300);
+    soup.triangles.insert(soup.triangles.end(), once.begin(), once.end());  // ties
+    std::vector<kerf::Ray> rays;
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 64; ++x) {
+        const kerf::Vec3f direction{static_cast<float>(x - 20) / 200.0f, static_cast<float>(y - 40) / 200.0f,
+                                    1.0f};
+        rays.push_back({.origin = {0.1f, 0.0f, -2.0f}, .direction = direction});
+        if (y > 32) rays.back().t_max = 2.0f + 0.01f * static_cast<float>(x);
+        if (y > 48) rays.back().origin.x += 0.0001f * static_cast<float>(x);
+        if (y > 56) rays.back().t_min = 1.5f;
+      }
+    }
+    rays[100].direction = {};
+    rays[200].t_max = -1.0f;
+    for (const char* target : {"AVX3", "AVX2", "SSE4", "SCALAR"}) {
+      const kerf::Bvh bvh = build_for(target, soup.mesh());
+      std::vector<kerf::Hit> hits(rays.size());
+      std::vector<std::uint8_t> occluded(rays.size());
+      bvh.intersect(rays, hits);
+      bvh.occluded(rays, occluded);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(hits[i], bvh.intersect(rays[i]).value_or(kerf::Hit{})) << i;
+        ASSERT_EQ(occluded[i] != 0, bvh.occluded(rays[i])) << i;
+      }
+    }
+  }
+}

@@ -55,11 +55,12 @@ class Interleaved {
   };
 
  public:
-  HWY_INLINE Interleaved(const WideBvh& bvh, const Ray* rays, std::size_t count)
-      : bvh_(bvh), rays_(rays), count_(count) {}
+  // Traces `rays[which[i]]` for each i below `count`.
+  HWY_INLINE Interleaved(const WideBvh& bvh, const Ray* rays, const std::uint32_t* which, std::size_t count)
+      : bvh_(bvh), rays_(rays), which_(which), count_(count) {}
 
-  // `finish(i, hit)` is called once for each ray i, in any order, and returns nothing; `single(ray)` traces
-  // the few that are not fit for this.
+  // `finish(which[i], hit)` is called once for each ray, in any order, and returns nothing; `single(ray)`
+  // traces the few that are not fit for this.
   template <class Finish, class Single>
   HWY_INLINE void run(Finish&& finish, Single&& single) {
     Lists lists;
@@ -86,7 +87,7 @@ class Interleaved {
   HWY_INLINE void start(std::uint32_t number, Lists& lists, Finish&& finish, Single&& single) {
     Lane& lane = lanes_[number];
     while (next_ < count_) {
-      const std::size_t i = next_++;
+      const std::uint32_t i = which_[next_++];
       const Ray& ray = rays_[i];
       if (HWY_UNLIKELY(!set_up(ray, bvh_, lane.ray))) {
         finish(i, single(ray));
@@ -179,6 +180,7 @@ class Interleaved {
 
   const WideBvh& bvh_;
   const Ray* rays_;
+  const std::uint32_t* which_;
   std::size_t count_;
   std::size_t next_ = 0;
   Lane lanes_[width];

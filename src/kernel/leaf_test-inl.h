@@ -50,7 +50,7 @@ HWY_INLINE bool intersect_leaf(const LeafConstants& ray, const std::uint32_t* wo
   if (candidates == 0) return false;
 
   alignas(64) float t[8];
-  alignas(64) double vs[8], ws[8], determinants[8];
+  alignas(64) double vs[8], ws[8], inverses[8];
   std::uint32_t hits = 0;
   const DoubleTag d;
   for (std::size_t i = 0; i < double_count; ++i) {
@@ -65,12 +65,13 @@ HWY_INLINE bool intersect_leaf(const LeafConstants& ray, const std::uint32_t* wo
     const DoubleVector determinant = hn::Add(hn::Add(u2, v2), w2);
     const DoubleVector z = hn::Add(hn::Add(hn::Mul(u2, promote(a.z, i)), hn::Mul(v2, promote(b.z, i))),
                                    hn::Mul(w2, promote(c.z, i)));
-    const DoubleVector t2 = hn::Mul(hn::Div(z, determinant), hn::Set(d, ray.inverse_dz));
+    const DoubleVector inverse = hn::Div(hn::Set(d, 1.0), determinant);
+    const DoubleVector t2 = hn::Mul(hn::Mul(z, inverse), hn::Set(d, ray.inverse_dz));
     const hn::Rebind<float, DoubleTag> narrow;
     hn::StoreU(hn::DemoteTo(narrow, t2), narrow, t + i * double_lanes);
     hn::StoreU(v2, d, vs + i * double_lanes);
     hn::StoreU(w2, d, ws + i * double_lanes);
-    hn::StoreU(determinant, d, determinants + i * double_lanes);
+    hn::StoreU(inverse, d, inverses + i * double_lanes);
     alignas(8) std::uint8_t bytes[8] = {};
     hn::StoreMaskBits(d, differ, bytes);
     hits |= static_cast<std::uint32_t>(bytes[0]) << (i * double_lanes);
@@ -83,8 +84,8 @@ HWY_INLINE bool intersect_leaf(const LeafConstants& ray, const std::uint32_t* wo
     const std::uint32_t primitive = words[9 * count + i];
     if (t[i] == best.t && primitive >= best.primitive) continue;
     best.t = t[i];
-    best.u = static_cast<float>(vs[i] / determinants[i]);
-    best.v = static_cast<float>(ws[i] / determinants[i]);
+    best.u = static_cast<float>(vs[i] * inverses[i]);
+    best.v = static_cast<float>(ws[i] * inverses[i]);
     best.primitive = primitive;
     changed = true;
   }

@@ -98,6 +98,23 @@ HWY_INLINE bool push_children(const WideNode& node, const Spans& spans, std::uin
   return true;
 }
 
+#if HWY_TARGET <= HWY_AVX2
+// Writes the slots of the children that are met, from far to near, and returns their number.
+HWY_INLINE std::uint32_t far_to_near(const WideNode& node, const Spans& spans, std::uint32_t octant,
+                                     std::uint32_t (&out)[wide_node_children]) {
+  const FloatTag floats;
+  const hn::RebindToUnsigned<FloatTag> integers;
+  const auto first = spans.first.part[0], last = spans.last.part[0];
+  alignas(32) static constexpr std::uint32_t from_far[8] = {21, 18, 15, 12, 9, 6, 3, 0};
+  const auto order = hn::Set(integers, node.order[octant]);
+  const auto slots = hn::And(hn::Shr(order, hn::Load(integers, from_far)), hn::Set(integers, 7u));
+  const auto float_slots = hn::IndicesFromVec(floats, slots);
+  const auto mask = hn::Le(hn::TableLookupLanes(first, float_slots), hn::TableLookupLanes(last, float_slots));
+  hn::StoreU(hn::Compress(slots, hn::RebindMask(integers, mask)), integers, out);
+  return static_cast<std::uint32_t>(std::popcount(less_or_equal(spans.first, spans.last)));
+}
+#endif
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace kerf

@@ -19,12 +19,17 @@
 #include "kernel/interleaved-inl.h"
 #include "kernel/leaf_test-inl.h"
 #include "kernel/node_step-inl.h"
+#include "kernel/packet-inl.h"
 #include "kernel/wide_ray-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
+
+// After packets that fell apart one after another, twice as many each time are traced by turns before the
+// next try.
+[[maybe_unused]] constexpr std::uint32_t most_packets_let_pass = 32;
 
 // What `trace` returns for a ray that must be prepared first.
 constexpr Hit refused{.t = std::numeric_limits<float>::quiet_NaN()};
@@ -107,16 +112,50 @@ HWY_ATTR bool any_counted(const WideBvh& bvh, const Ray& ray, TraversalCounters&
 }
 
 #if HWY_TARGET <= HWY_AVX2
+// Packets where rays keep together; the others, all at once, by turns. `finish(i, hit)` is called once for
+// each ray.
+template <bool any_hit, class Finish>
+HWY_INLINE void trace_part(const WideBvh& bvh, const Ray* rays, std::uint32_t count, Finish&& finish) {
+  Packet<any_hit> packet(bvh);
+  std::uint32_t apart[rays_a_part], left = 0;
+  std::uint32_t pass = 0, passes = 1;  // packets to let pass now, and when the next one falls apart
+  std::uint32_t i = 0;
+  for (; i + packet.width <= count; i += packet.width) {
+    if (pass == 0 && packet.set(rays + i)) {
+      packet.run([&](std::size_t lane, const Hit& hit) HWY_ATTR { finish(i + lane, hit); });
+      if (packet.kept_together()) {
+        passes = 1;
+      } else {
+        pass = passes;
+        passes = std::min(2 * passes, most_packets_let_pass);
+      }
+    } else {
+      for (std::uint32_t lane = 0; lane < packet.width; ++lane) apart[left++] = i + lane;
+      pass -= pass > 0;
+    }
+  }
+  for (; i < count; ++i) apart[left++] = i;
+  if (left == 0) return;
+  Interleaved<any_hit> interleaved(bvh, rays, apart, left);
+  interleaved.run(finish,
+                  [&](const Ray& ray) HWY_ATTR { return trace_any_ray<any_hit, false>(bvh, ray, nullptr); });
+}
+
+template <bool any_hit, class Finish>
+HWY_INLINE void trace_many(const WideBvh& bvh, const Ray* rays, std::size_t count, Finish&& finish) {
+  for (std::size_t begin = 0; begin < count; begin += rays_a_part) {
+    trace_part<any_hit>(bvh, rays + begin, static_cast<std::uint32_t>(std::min(rays_a_part, count - begin)),
+                        [&](std::size_t i, const Hit& hit) HWY_ATTR { finish(begin + i, hit); });
+  }
+}
+
 HWY_ATTR void closest_many(const WideBvh& bvh, const Ray* rays, std::size_t count, Hit* hits) {
-  Interleaved<false> interleaved(bvh, rays, count);
-  interleaved.run([hits](std::size_t i, const Hit& hit) HWY_ATTR { hits[i] = hit; },
-                  [&bvh](const Ray& ray) HWY_ATTR { return closest(bvh, ray); });
+  trace_many<false>(bvh, rays, count, [hits](std::size_t i, const Hit& hit) HWY_ATTR { hits[i] = hit; });
 }
 HWY_ATTR void any_many(const WideBvh& bvh, const Ray* rays, std::size_t count, std::uint8_t* occluded) {
-  Interleaved<true> interleaved(bvh, rays, count);
-  interleaved.run(
-      [occluded](std::size_t i, const Hit& hit) HWY_ATTR { occluded[i] = static_cast<bool>(hit); },
-      [&bvh](const Ray& ray) HWY_ATTR { return Hit{.primitive = any(bvh, ray) ? 0 : invalid_id}; });
+  trace_many<true>(bvh, rays, count, [occluded](std::size_t i, const Hit& hit) HWY_ATTR {
+    occluded[i] = static_cast<bool>(hit);
+  });
 }
 #else
 HWY_ATTR void closest_many(const WideBvh& bvh, const Ray* rays, std::size_t count, Hit* hits) {

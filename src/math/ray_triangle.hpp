@@ -64,11 +64,12 @@ inline bool intersect_triangle(const RayShear& shear, const Vec3f& origin, const
   if (signs_differ(u, v, w)) return false;
   const double determinant = u + v + w;
   const double z = u * a[shear.kz] + v * b[shear.kz] + w * c[shear.kz];
-  const auto t = static_cast<float>(z / determinant * shear.inverse_dz);
+  const double inverse = 1.0 / determinant;
+  const auto t = static_cast<float>(z * inverse * shear.inverse_dz);
   if (!(t >= t_min && t <= t_max)) return false;  // so is a triangle seen edge-on, whose determinant is 0
   hit.t = t;
-  hit.u = static_cast<float>(v / determinant);
-  hit.v = static_cast<float>(w / determinant);
+  hit.u = static_cast<float>(v * inverse);
+  hit.v = static_cast<float>(w * inverse);
   return true;
 }
 
