@@ -273,7 +273,8 @@ TEST(Tool, ATriangleWithoutAreaAloneIsTracedAndMissed) {
   const Outcome outcome = run_tool("compare " + directory.file("line.obj") + quick + "--json -");
   if (outcome.status == 1) return expect_one_line_about(outcome.errors, directory.file("line.obj"));
   ASSERT_EQ(outcome.status, 0) << outcome.errors;
-  for (const Json& builder : Json::parse(outcome.output)["scenes"][0]["builders"]) {
+  const Json comparison = Json::parse(outcome.output);
+  for (const Json& builder : comparison["scenes"][0]["builders"]) {
     EXPECT_EQ(builder["references"], 0u);
     EXPECT_EQ(builder["rays"]["primary"]["hits"], 0u);
   }

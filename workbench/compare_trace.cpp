@@ -26,14 +26,6 @@ tbb::task_arena make_arena(unsigned threads) {
   return threads == 0 ? tbb::task_arena() : tbb::task_arena(static_cast<int>(threads));
 }
 
-<<<<<<< HEAD
-template <class Body>
-void for_each_block(tbb::task_arena& arena, std::size_t begin, std::size_t end, const Body& body) {
-  kerf::execute_in(arena, [&] { kerf::parallel_for_ranges(begin, end, grain, body); });
-}
-
-=======
->>>>>>> 5c1d8c6 (Compare: rays timed on one thread in short slices, which a busy machine disturbs least)
 // The hits end up in memory, so that no compiler may leave the tracing out.
 void trace(const kerf::Bvh& bvh, const RaySet& set, std::size_t begin, std::size_t end,
            std::span<kerf::Hit> hits) {
@@ -62,8 +54,9 @@ CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned thre
     steps += counters.steps;
     triangle_tests += counters.triangle_tests;
   };
-  make_arena(threads).execute(
-      [&] { tbb::parallel_for(tbb::blocked_range<std::size_t>(0, set.rays.size(), grain), trace_block); });
+  tbb::task_arena arena = make_arena(threads);
+  kerf::execute_in(arena,
+                   [&] { kerf::parallel_for_ranges(std::size_t{0}, set.rays.size(), grain, trace_block); });
   pass.steps = steps;
   pass.triangle_tests = triangle_tests;
   pass.hit_count = static_cast<std::size_t>(std::count_if(

@@ -36,7 +36,7 @@ void run(const Options& options) {
   bvh.save(options.output);
   bar.clear();
   const kerf::BvhStatistics& statistics = bvh.statistics();
-  write_output(standard_output.data(),
+  write_output(standard_output,
                fmt::format("{}: {} triangles, {} references, {} bytes, built in {:.1f} ms\n", options.output,
                            workbench::format_count(statistics.triangles),
                            workbench::format_count(statistics.references),

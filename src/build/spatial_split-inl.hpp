@@ -8,10 +8,10 @@
 #define KERF_BUILD_SPATIAL_SPLIT_INL
 #endif
 
-#include <hwy/cache_control.h>
-
 #include <algorithm>
 #include <utility>
+
+#include <hwy/cache_control.h>
 
 #include "build/object_split-inl.hpp"
 #include "math/clip.hpp"
@@ -87,7 +87,8 @@ HWY_INLINE void prefetch_corners(const Geometry& geometry, std::uint32_t id) {
   const auto [mesh, primitive] = geometry.locate(id);
   const TriangleMesh& m = geometry.meshes()[mesh];
   const auto indices = m.triangles[primitive];
-  for (const std::uint32_t index : indices.values) hwy::Prefetch(m.vertices.data() + index * m.vertices.stride());
+  for (const std::uint32_t index : indices.values)
+    hwy::Prefetch(m.vertices.data() + index * m.vertices.stride());
 }
 
 // As `chop` in math/clip.hpp, whose comments explain it; but the three edges are treated alike, without a
@@ -300,8 +301,9 @@ HWY_NOINLINE SpatialSplit find_spatial_split(const Geometry& geometry, const Ref
   SpatialSplit best;
   // The most promising first: what it costs is a limit that lets the others be given up sooner.
   int order[3] = {0, 1, 2};
-  std::sort(order, order + 3,
-            [&](int a, int b) { return std::pair(candidates.costs[a], a) < std::pair(candidates.costs[b], b); });
+  std::sort(order, order + 3, [&](int a, int b) {
+    return std::pair(candidates.costs[a], a) < std::pair(candidates.costs[b], b);
+  });
   for (const int axis : order) {
     if (!(candidates.costs[axis] < worth_chopping * object_split_cost)) break;
     if (mapping.scale[axis] == 0.0f) continue;

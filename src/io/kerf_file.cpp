@@ -6,8 +6,8 @@
 
 #include "io/file_image.hpp"
 #include "io/posix_file.hpp"
-#include "tree/aligned_array.hpp"
 #include "out_of_memory.hpp"
+#include "tree/aligned_array.hpp"
 
 namespace kerf {
 namespace {
