@@ -50,6 +50,9 @@ class ThreadOrder {
   static inline char moment = 0;
 };
 
+/// Whether this thread works in an arena for one.
+inline thread_local bool one_thread_only = false;
+
 /// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`.
 template <class Index, class Body>
 void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& body) {
@@ -68,7 +71,9 @@ void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& 
       error = std::current_exception();
     }
   };
-  {
+  if (one_thread_only) {
+    work();
+  } else {
     const std::jthread other([&work] {
       const ThreadOrder order;
       work();
@@ -106,7 +111,12 @@ void parallel_invoke(const First& first, const Second& second) {
 
 /// Calls `work` in `arena` and returns what it returns.
 template <class Work>
-auto execute_in(tbb::task_arena&, const Work& work) {
+auto execute_in(tbb::task_arena& arena, const Work& work) {
+  struct Restore {
+    bool before = one_thread_only;
+    ~Restore() { one_thread_only = before; }
+  } restore;
+  one_thread_only = arena.max_concurrency() == 1;
   return work();
 }
 

@@ -54,7 +54,7 @@ TEST(Compare, EveryHitOfEveryBuilderIsThatOfBruteForce) {
 TEST(Compare, EscAndEvhGetAtMostTheReferencesOfTheSbvh) {
   const Comparison comparison = compare(load_scene("sticks:detail=0.05"), all_builders(), quick);
   const auto& builders = comparison.figures.builders;
-  for (const std::size_t presplit : {2, 3}) {
+  for (const std::size_t presplit : {std::size_t{2}, std::size_t{3}}) {
     EXPECT_LE(builders[presplit].references, builders[1].references) << builders[presplit].name;
     EXPECT_GT(builders[presplit].references, builders[0].references) << builders[presplit].name;
   }
