@@ -87,34 +87,27 @@ struct BinMapping {
   }
 };
 
+// How a box finds its bins by its centroid.
+struct ObjectBinner {
+  Vec4 origin, scale;
+  hn::Vec<FourInts> last;
+
+  HWY_INLINE void add(ThreeBins* bins, const SimdBox& box) const {
+    const Vec4 place = hn::Mul(hn::Sub(doubled_centroid(box), origin), scale);
+    HWY_NAMESPACE::add(bins, hn::ShiftLeft<three_bins_shift>(hn::Min(hn::ConvertTo(four_ints, place), last)),
+                       box);
+  }
+};
+
+HWY_INLINE ObjectBinner object_binner(const BinMapping& mapping, int bin_count) {
+  return {hn::Load(four, mapping.origin), hn::Load(four, mapping.scale), hn::Set(four_ints, bin_count - 1)};
+}
+
 HWY_NOINLINE void fill(ThreeBins* bins, const Reference* references, std::uint32_t count,
                        const BinMapping& mapping, int bin_count) {
-  const Vec4 origin = hn::Load(four, mapping.origin), scale = hn::Load(four, mapping.scale);
-  const auto last = hn::Set(four_ints, bin_count - 1);
-  // Neighbours often fall into the same bin, which the second must then wait for: they take turns with two
-  // sets.
-  ThreeBins others[object_bin_count];
-  const bool two_sets = count > few_references;
-  ThreeBins* const second = two_sets ? others : bins;
-  if (two_sets) clear(others, bin_count);
-  const auto add_to = [&](ThreeBins* to, const Reference& reference) {
-    const SimdBox box = load_box(reference);
-    const Vec4 place = hn::Mul(hn::Sub(doubled_centroid(box), origin), scale);
-    add(to, hn::ShiftLeft<three_bins_shift>(hn::Min(hn::ConvertTo(four_ints, place), last)), box);
-  };
-  std::uint32_t i = 0;
-  for (; i + 1 < count; i += 2) {
-    add_to(bins, references[i]);
-    add_to(second, references[i + 1]);
-  }
-  if (i < count) add_to(bins, references[i]);
-  for (int b = 0; two_sets && b < bin_count; ++b) {
-    for (int axis = 0; axis < 3; ++axis) {
-      store_bin(merge(load_bin(bins[b].boxes[axis]), load_bin(others[b].boxes[axis])), bins[b].boxes[axis]);
-    }
-    hn::Store(hn::Add(hn::Load(four_ints, bins[b].counts), hn::Load(four_ints, others[b].counts)), four_ints,
-              bins[b].counts);
-  }
+  const ObjectBinner binner = object_binner(mapping, bin_count);
+  clear(bins, bin_count);
+  for (std::uint32_t i = 0; i < count; ++i) binner.add(bins, load_box(references[i]));
 }
 
 // The cheapest plane between bins, over three axes at a time.

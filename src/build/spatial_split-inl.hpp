@@ -141,20 +141,51 @@ struct SpatialBins {
   ThreeBins ends[spatial_bin_count];
 };
 
-HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint32_t count,
-                       const BinMapping& mapping) {
-  const Vec4 origin = hn::Load(four, mapping.origin), scale = hn::Load(four, mapping.scale);
-  const auto last = hn::Set(four_ints, spatial_bin_count - 1);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const SimdBox box = load_box(references[i]);
+// How a box finds the bins in which it begins and ends.
+struct SpatialBinner {
+  Vec4 origin, scale;
+  hn::Vec<FourInts> last;
+
+  HWY_INLINE void add(SpatialBins& bins, const SimdBox& box) const {
     const Vec4 begin = hn::Mul(hn::Sub(lower_of(box), origin), scale);
     const Vec4 negated_end = hn::Mul(hn::Add(negated_upper_of(box), origin), scale);
     // A box that ends on a plane does not reach into the bin behind it: its last bin is the ceiling of its
     // end less one, which is the complement of the floor of its negated end.
     const auto first = hn::ConvertTo(four_ints, begin);
     const auto end = hn::Not(hn::ConvertTo(four_ints, hn::Floor(negated_end)));
-    add(bins.begins, hn::ShiftLeft<three_bins_shift>(hn::Min(first, last)), box);
-    add(bins.ends, hn::ShiftLeft<three_bins_shift>(hn::Min(hn::Max(end, first), last)), box);
+    HWY_NAMESPACE::add(bins.begins, hn::ShiftLeft<three_bins_shift>(hn::Min(first, last)), box);
+    HWY_NAMESPACE::add(bins.ends, hn::ShiftLeft<three_bins_shift>(hn::Min(hn::Max(end, first), last)), box);
+  }
+};
+
+HWY_INLINE SpatialBinner spatial_binner(const BinMapping& mapping) {
+  return {hn::Load(four, mapping.origin), hn::Load(four, mapping.scale),
+          hn::Set(four_ints, spatial_bin_count - 1)};
+}
+
+HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint32_t count,
+                       const BinMapping& mapping) {
+  const SpatialBinner binner = spatial_binner(mapping);
+  clear(bins.begins, spatial_bin_count);
+  clear(bins.ends, spatial_bin_count);
+  for (std::uint32_t i = 0; i < count; ++i) binner.add(bins, load_box(references[i]));
+}
+
+// Both kinds of bins in one pass. Where spatial splits are possible at all, nearly all nodes come to look at
+// them (19 of 20 references on sponza and a dragon), and neighbours often fall into the same bin, which the
+// second must wait for: there is more to do meanwhile.
+HWY_NOINLINE void fill(ThreeBins* object_bins, const BinMapping& object_mapping, int object_bin_count,
+                       SpatialBins& spatial_bins, const BinMapping& spatial_mapping,
+                       const Reference* references, std::uint32_t count) {
+  const ObjectBinner object = object_binner(object_mapping, object_bin_count);
+  const SpatialBinner spatial = spatial_binner(spatial_mapping);
+  clear(object_bins, object_bin_count);
+  clear(spatial_bins.begins, spatial_bin_count);
+  clear(spatial_bins.ends, spatial_bin_count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const SimdBox box = load_box(references[i]);
+    object.add(object_bins, box);
+    spatial.add(spatial_bins, box);
   }
 }
 
@@ -290,13 +321,10 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
   return split;
 }
 
-HWY_NOINLINE SpatialSplit find_spatial_split(const Geometry& geometry, const Reference* references,
+// The cheapest spatial split of what was binned, if it is cheaper than `object_split_cost`.
+HWY_NOINLINE SpatialSplit find_spatial_split(const Geometry& geometry, const SpatialBins& bins,
+                                             const BinMapping& mapping, const Reference* references,
                                              const Range& range, const Box3f& box, float object_split_cost) {
-  SpatialBins bins;
-  clear(bins.begins, spatial_bin_count);
-  clear(bins.ends, spatial_bin_count);
-  const BinMapping mapping(box, spatial_bin_count);
-  fill(bins, references, range.count(), mapping);
   const PlaneCandidates candidates = cheapest_planes(bins, box, range.count(), range.slack());
   SpatialSplit best;
   // The most promising first: what it costs is a limit that lets the others be given up sooner.

@@ -56,21 +56,22 @@ void halve(const BuildContext& context, const NodeInput& node, NodeInput& left, 
   measure(context.arena, right);
 }
 
+// Whether a spatial split is possible at all.
+bool may_split_space(const BuildContext& context, const Range& range) {
+  return context.geometry != nullptr && range.slack() != 0 && range.count() >= context.spatial_minimum;
+}
+
 // Stich et al. 2009, section 4.5: where the children of the best object split hardly overlap, there is little
 // for a spatial split to win.
-bool overlap_calls_for_spatial_split(const BuildContext& context, const NodeInput& node,
-                                     const ChildBoxes& children, float area) {
-  if (context.geometry == nullptr || node.range.slack() == 0 ||
-      node.range.count() < context.spatial_minimum) {
-    return false;
-  }
+bool overlap_calls_for_spatial_split(const BuildContext& context, const ChildBoxes& children, float area) {
   const SimdBox overlap = intersect(children.left, children.right);
   if (is_empty(overlap)) return false;
   const float overlap_area = half_area_of(overlap);
   return overlap_area > context.absolute_overlap && overlap_area >= context.relative_overlap * area;
 }
 
-bool split(const BuildContext& context, const NodeInput& node, NodeInput& left, NodeInput& right) {
+HWY_NOINLINE bool split(const BuildContext& context, const NodeInput& node, NodeInput& left,
+                        NodeInput& right) {
   Reference* const references = context.arena + node.range.begin;
   const std::uint32_t count = node.range.count();
   const float area = half_area(node.box);
@@ -80,8 +81,11 @@ bool split(const BuildContext& context, const NodeInput& node, NodeInput& left, 
     return true;
   }
 
+  const bool try_space = may_split_space(context, node.range);
   ObjectSplit object_split;
   ChildBoxes children{empty_box(), empty_box()};
+  SpatialBins spatial_bins;
+  const BinMapping spatial_mapping(node.box, spatial_bin_count);
   if (count <= sweep_limit) {
     object_split = sweep(references, count);
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -90,20 +94,24 @@ bool split(const BuildContext& context, const NodeInput& node, NodeInput& left, 
       children.left = merge_if(is_left, children.left, load_box(references[i]));
       children.right = merge_if_not(is_left, children.right, load_box(references[i]));
     }
+    if (try_space) fill(spatial_bins, references, count, spatial_mapping);
   } else {
     const int bin_count = count <= few_references ? few_object_bin_count : object_bin_count;
     const BinMapping mapping(node.doubled_centroids, bin_count);
     ThreeBins bins[object_bin_count];
-    clear(bins, bin_count);
-    fill(bins, references, count, mapping, bin_count);
+    if (try_space) {
+      fill(bins, mapping, bin_count, spatial_bins, spatial_mapping, references, count);
+    } else {
+      fill(bins, references, count, mapping, bin_count);
+    }
     object_split = cheapest(bins, count, mapping, bin_count);
     children = child_boxes(bins, object_split, bin_count);
   }
 
   SpatialSplit spatial_split;
-  if (overlap_calls_for_spatial_split(context, node, children, area)) {
-    spatial_split =
-        find_spatial_split(*context.geometry, references, node.range, node.box, object_split.cost);
+  if (try_space && overlap_calls_for_spatial_split(context, children, area)) {
+    spatial_split = find_spatial_split(*context.geometry, spatial_bins, spatial_mapping, references,
+                                       node.range, node.box, object_split.cost);
   }
   if (leaf_is_cheapest(context, count, area, HWY_MIN(object_split.cost, spatial_split.cost))) return false;
 
