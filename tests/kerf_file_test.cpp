@@ -6,7 +6,9 @@
 #include "adversarial.hpp"
 #include "build_options.hpp"
 #include "fuzz/forged_file.hpp"
+#include "instrumented.hpp"
 #include "temporary_directory.hpp"
+#include "workbench/aimed_rays.hpp"
 #include "workbench/solids.hpp"
 
 namespace kerf {
@@ -57,6 +59,21 @@ TEST(KerfFile, LoadedAndMappedAnswerAsSaved) {
     EXPECT_EQ(again.statistics().nodes, bvh.statistics().nodes);
     EXPECT_EQ(again.statistics().bytes, bvh.statistics().bytes);
     EXPECT_EQ(saved(again), saved(bvh));
+  }
+}
+
+// Where the margins of the boxes count: far from the origin, with rays at vertices and edges.
+TEST(KerfFile, ALoadedHierarchyIsAsWatertightAsTheSavedOne) {
+  const TemporaryDirectory directory;
+  for (const auto& [name, solid] : workbench::make_watertight_solids()) {
+    const Bvh bvh = build(solid.mesh(), spatial_splits_everywhere());
+    bvh.save(directory / "solid.kerf");
+    for (const Bvh& again : {Bvh::load(directory / "solid.kerf"), Bvh::map(directory / "solid.kerf")}) {
+      const workbench::AimedRayCounts counts =
+          workbench::trace_aimed_rays(solid, again, test::reduced(2000), 1);
+      EXPECT_EQ(counts.leaks, 0u) << name;
+      EXPECT_EQ(counts.parity_errors, 0u) << name;
+    }
   }
 }
 

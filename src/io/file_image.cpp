@@ -80,6 +80,7 @@ FileHeader read_header(std::span<const std::byte> bytes, std::uint64_t file_byte
       words_per_triangle * std::uint64_t{ChildLink::max_place} + leaf_padding_words;
   if (header.leaf_words > most_words || header.nodes > ChildLink::max_place)
     refuse("the header names impossible sizes");
+  if (header.zero != 0) refuse("the header has something where a zero belongs");
   if (header.file_bytes != FileLayout(header).file_bytes) refuse("the sizes in the header do not add up");
   if (header.file_bytes != file_bytes) {
     refuse("the file has %llu bytes, but should have %llu", static_cast<unsigned long long>(file_bytes),
@@ -114,6 +115,7 @@ std::shared_ptr<Bvh::Structure> read_image(std::span<const std::byte> image,
   wide.leaves = {reinterpret_cast<const std::uint32_t*>(leaves.data()),
                  static_cast<std::size_t>(header.leaf_words)};
   wide.bounds = header.bounds;
+  if (!wide.empty()) wide.largest_coordinate = largest_coordinate(wide.bounds);
   wide.depth = header.depth;
   wide.node_memory = memory;
   wide.leaf_memory = std::move(memory);

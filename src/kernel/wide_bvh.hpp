@@ -2,7 +2,9 @@
 // that are tested together. Flat arrays without pointers, so that a file of them can be traced where it lies.
 #pragma once
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -77,6 +79,14 @@ struct WideBvh {
     return empty() ? 0 : (leaves.size() - leaf_padding_words) / words_per_triangle;
   }
 };
+
+/// What a hierarchy within `bounds` has as its `largest_coordinate`.
+inline float largest_coordinate(const Box3f& bounds) {
+  float largest = 0.0f;
+  for (int axis = 0; axis < 3; ++axis)
+    largest = std::max({largest, std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis])});
+  return largest;
+}
 
 /// The box of a child; empty for an unused slot.
 inline Box3f child_box(const WideNode& node, std::uint32_t slot) {

@@ -155,15 +155,10 @@ WideBvh make_wide_bvh(const Geometry& geometry, const BinaryTree& tree) {
     }
   });
   const Box3f& bounds = tree.nodes[0].bounds;
-  float largest_coordinate = 0.0f;
-  for (int axis = 0; axis < 3; ++axis) {
-    largest_coordinate =
-        std::max({largest_coordinate, std::abs(bounds.lower[axis]), std::abs(bounds.upper[axis])});
-  }
   return {.nodes = {nodes.data(), nodes.size()},
           .leaves = {leaves.data(), leaves.size()},
           .bounds = bounds,
-          .largest_coordinate = largest_coordinate,
+          .largest_coordinate = largest_coordinate(bounds),
           .depth = plan.depth,
           .node_memory = nodes.owner(),
           .leaf_memory = leaves.owner()};
