@@ -155,6 +155,22 @@ TEST_F(Presplit, OnExtremeCoordinatesEnds) {
   }
 }
 
+// Parts as small as rounding, whose edges do not get shorter by halving others.
+TEST_F(Presplit, AnyLimitIsReached) {
+  for (const float scale : {1.0f, 1e-6f}) {
+    std::vector<std::array<float, 3>> corners;
+    std::mt19937 random(9);
+    std::uniform_real_distribution<float> place(-scale, scale);
+    for (int i = 0; i < 60; ++i)
+      corners.push_back({place(random), 1.0f + place(random), place(random) * 1e-3f});
+    const TriangleMesh m{.vertices = corners, .triangles = std::span(triangles).first(20)};
+    const Geometry geometry({&m, 1});
+    for (const Split split : {split_by_area, split_by_edge_volume}) {
+      EXPECT_LE(split(geometry, make_references(geometry).references, 100'000).size(), 100'000u);
+    }
+  }
+}
+
 TEST(MergeParts, KeepsEachTriangleOnceALeaf) {
   BinaryTree tree{.nodes = {{{{0, 0, 0}, {1, 1, 1}}, 1, 0},
                             {{{0, 0, 0}, {1, 1, 1}}, 0, 4},

@@ -14,6 +14,7 @@
 #include "tree/metrics.hpp"
 #include "workbench/compare_measures.hpp"
 #include "workbench/compare_trace.hpp"
+#include "workbench/equal_references.hpp"
 
 namespace workbench {
 namespace {
@@ -49,9 +50,10 @@ std::vector<Contender> with_equal_references(const kerf::Geometry& geometry,
     if (is_new) {
       kerf::BuildOptions options = contender.options;
       options.builder = kerf::Builder::sbvh;
-      place->second = build_tree(geometry, options).references.size();
+      place->second = count_references(geometry, options);
     }
-    contender.options.presplit_references = place->second;
+    contender.options.presplit_references =
+        presplit_references_for(place->second, geometry, contender.options);
   }
   return result;
 }
@@ -66,7 +68,7 @@ class Measuring {
  public:
   Measuring(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options)
       : scene_(scene), options_(options), mesh_(scene.mesh()), geometry_(std::span(&mesh_, 1)) {
-    report(0.0, "build sbvh");
+    report(0.0, "equal references");
     contenders_ = with_equal_references(geometry_, contenders, options.threads);
     result_.figures.name = scene.name;
     result_.figures.triangles = geometry_.triangle_count();

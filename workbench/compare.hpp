@@ -72,8 +72,8 @@ struct Comparison {
   std::vector<kerf::Bvh> hierarchies = {};
 };
 
-/// Builds and measures. `esc` and `evh` contenders whose `presplit_references` is 0 are given as many
-/// references as the SBVH of the same alpha has, which is built first, whether it is a contender or not.
+/// Builds and measures. `esc` and `evh` contenders whose `presplit_references` is 0 are made to have as many
+/// references as the SBVH of the same alpha, which is built first, whether it is a contender or not.
 Comparison compare(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options);
 
 /// The names of builders on the command line and in JSON.

@@ -22,13 +22,19 @@ namespace kerf {
 //   bool cut(const Part&, Part&, Part&)    the two halves; false if rounding leaves nothing between them
 //   Box3f bounds(const Part&) const        what becomes a reference
 
+/// No part comes from more cuts than this, one within the other. As many make parts of a 2^64th on average,
+/// many more than there may be references; but where parts are as small as rounding, cutting one edge of a
+/// triangle can lengthen another, and would never end.
+constexpr int most_cuts = 64;
+
 /// Visits the parts of `part` that a threshold leaves, until `visit` returns false; returns whether it never
 /// did.
 template <class Rule, class Part, class Visit>
-bool visit_parts(const Rule& rule, const Part& part, double threshold, Visit& visit) {
+bool visit_parts(const Rule& rule, const Part& part, double threshold, Visit& visit, int cuts = 0) {
   Part left, right;
-  if (!(rule.size(part) > threshold) || !rule.cut(part, left, right)) return visit(part);
-  return visit_parts(rule, left, threshold, visit) && visit_parts(rule, right, threshold, visit);
+  if (cuts == most_cuts || !(rule.size(part) > threshold) || !rule.cut(part, left, right)) return visit(part);
+  return visit_parts(rule, left, threshold, visit, cuts + 1) &&
+         visit_parts(rule, right, threshold, visit, cuts + 1);
 }
 
 /// Whether no more than `limit` parts are left of all references. Gives up counting as soon as there are
