@@ -11,8 +11,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <hwy/cache_control.h>
-
 #include "build/object_split-inl.hpp"
 #include "math/clip.hpp"
 #include "tree/geometry.hpp"
@@ -75,20 +73,6 @@ HWY_INLINE Vec4 load_corner(const TripleView<float>& vertices, std::uint32_t ind
     corner = hn::Load(four, copy);
   }
   return hn::Add(corner, hn::Zero(four));
-}
-
-// Triangles lie far apart in memory from each other, and their corners from them: both are fetched ahead.
-HWY_INLINE void prefetch_indices(const Geometry& geometry, std::uint32_t id) {
-  const auto [mesh, primitive] = geometry.locate(id);
-  const auto& triangles = geometry.meshes()[mesh].triangles;
-  hwy::Prefetch(triangles.data() + primitive * triangles.stride());
-}
-HWY_INLINE void prefetch_corners(const Geometry& geometry, std::uint32_t id) {
-  const auto [mesh, primitive] = geometry.locate(id);
-  const TriangleMesh& m = geometry.meshes()[mesh];
-  const auto indices = m.triangles[primitive];
-  for (const std::uint32_t index : indices.values)
-    hwy::Prefetch(m.vertices.data() + index * m.vertices.stride());
 }
 
 // As `chop` in math/clip.hpp, whose comments explain it; but the three edges are treated alike, without a
@@ -299,8 +283,8 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
       found += split.straddled_by(references[i]) ? 1 : 0;
     }
     straddling -= static_cast<std::int32_t>(found);
-    for (std::uint32_t k = 0; k < found; ++k) prefetch_indices(geometry, references[straddlers[k]].primitive);
-    for (std::uint32_t k = 0; k < found; ++k) prefetch_corners(geometry, references[straddlers[k]].primitive);
+    for (std::uint32_t k = 0; k < found; ++k) geometry.prefetch_indices(references[straddlers[k]].primitive);
+    for (std::uint32_t k = 0; k < found; ++k) geometry.prefetch_corners(references[straddlers[k]].primitive);
     for (std::uint32_t k = 0; k < found; ++k) {
       const ChildBoxes parts = chop(geometry, references[straddlers[k]], axis, split.plane);
       if (!is_empty(parts.left)) {

@@ -34,134 +34,263 @@ void gather(const BinaryTree& tree, std::uint32_t node, LeafTriangles& triangles
   }
 }
 
-// A wide node before it is written: where it comes from and what its children will be called.
-struct Plan {
-  std::uint32_t binary;
-  std::array<ChildLink, wide_node_children> links;
-};
-
-struct Outline {
-  std::vector<Plan> plans;
-  std::uint32_t triangles = 0;
-  std::uint32_t depth = 0;
-};
-
 // Any-hit traversal takes the last slot first: there goes what is most likely to be hit, the largest (Nah &
 // Manocha 2014, "SATO: Surface Area Traversal Order for Shadow Ray Tracing").
-Collapse::Children in_slots(const BinaryTree& tree, Collapse::Children children) {
-  std::stable_sort(children.node.begin(), children.node.begin() + children.count, [&](auto a, auto b) {
-    return half_area(tree.nodes[a].bounds) < half_area(tree.nodes[b].bounds);
-  });
-  return children;
-}
-
-// Numbers nodes and leaves depth first, so that a subtree lies together.
-Outline outline(const BinaryTree& tree, const Collapse& collapse) {
-  Outline result;
-  struct Open {
-    std::uint32_t binary, parent, slot, depth;
-  };
-  std::vector<Open> open{{0, 0, 0, 1}};
-  while (!open.empty()) {
-    const Open task = open.back();
-    open.pop_back();
-    const auto number = static_cast<std::uint32_t>(result.plans.size());
-    if (number > 0) result.plans[task.parent].links[task.slot] = ChildLink::node(number);
-    result.depth = std::max(result.depth, task.depth);
-    Plan plan{.binary = task.binary, .links = {}};
-    const Collapse::Children children = in_slots(tree, collapse.children(task.binary));
-    for (std::uint32_t slot = 0; slot < children.count; ++slot) {
-      if (!collapse.is_leaf(children.node[slot])) continue;
-      LeafTriangles leaf;
-      gather(tree, children.node[slot], leaf);
-      if (result.triangles + leaf.count > ChildLink::max_place) {
-        throw Error(Error::too_large,
-                    "the hierarchy has more than 2^28 references, which is more than kerf can number");
-      }
-      plan.links[slot] = ChildLink::leaf(result.triangles, leaf.count);
-      result.triangles += leaf.count;
+Collapse::Children in_slots(const BinaryTree& tree, const Collapse::Children& children) {
+  std::array<float, wide_node_children> areas;
+  Collapse::Children sorted;
+  for (; sorted.count < children.count; ++sorted.count) {
+    const std::uint32_t node = children.node[sorted.count];
+    const float area = half_area(tree.nodes[node].bounds);
+    std::uint32_t slot = sorted.count;
+    for (; slot > 0 && area < areas[slot - 1]; --slot) {
+      areas[slot] = areas[slot - 1];
+      sorted.node[slot] = sorted.node[slot - 1];
     }
-    for (std::uint32_t slot = children.count; slot-- > 0;) {
-      if (!collapse.is_leaf(children.node[slot]))
-        open.push_back({children.node[slot], number, slot, task.depth + 1});
-    }
-    result.plans.push_back(plan);
+    areas[slot] = area;
+    sorted.node[slot] = node;
   }
-  return result;
+  return sorted;
 }
 
-void write_leaf(const Geometry& geometry, const LeafTriangles& leaf, std::uint32_t* words) {
-  for (std::uint32_t i = 0; i < leaf.count; ++i) {
-    const Triangle triangle = geometry.triangle(leaf.ids[i]);
-    std::uint32_t* word = words + i;
+// From near to far for directions in each octant, by how far along the octant's diagonal the boxes lie; of
+// those equally far the lower slot first, unused ones last. A slot's place is the number of those before it.
+void write_orders(const Box3f* boxes, std::uint32_t count, std::uint32_t* orders) {
+  constexpr unsigned octants = 8;
+  float distances[wide_node_children][octants];
+  for (std::uint32_t slot = 0; slot < count; ++slot) {
+    // A quarter of the coordinates' sums: the sum of three stays finite, and orders stay orders.
+    const Vec3f center = boxes[slot].lower * 0.25f + boxes[slot].upper * 0.25f;
+    for (unsigned octant = 0; octant < octants; ++octant) {
+      distances[slot][octant] = (octant & 1 ? -center.x : center.x) + (octant & 2 ? -center.y : center.y) +
+                                (octant & 4 ? -center.z : center.z);
+    }
+  }
+  std::uint32_t places[wide_node_children][octants];
+  for (std::uint32_t slot = 0; slot < wide_node_children; ++slot)
+    std::fill_n(places[slot], octants, slot < count ? 0u : slot);
+  for (std::uint32_t high = 1; high < count; ++high) {
+    for (std::uint32_t low = 0; low < high; ++low) {
+      for (unsigned octant = 0; octant < octants; ++octant) {
+        const std::uint32_t high_first = distances[high][octant] < distances[low][octant] ? 1 : 0;
+        places[low][octant] += high_first;
+        places[high][octant] += 1 - high_first;
+      }
+    }
+  }
+  for (unsigned octant = 0; octant < octants; ++octant) {
+    orders[octant] = 0;
+    for (std::uint32_t slot = 0; slot < wide_node_children; ++slot)
+      orders[octant] |= slot << (3 * places[slot][octant]);
+  }
+}
+
+// Boxes and the orders in which they are met; links are left as they are.
+void write_boxes(const BinaryTree& tree, const Collapse::Children& children, WideNode& node) {
+  std::array<Box3f, wide_node_children> boxes;  // empty where unused
+  for (std::uint32_t slot = 0; slot < children.count; ++slot)
+    boxes[slot] = tree.nodes[children.node[slot]].bounds;
+  for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
+    for (int axis = 0; axis < 3; ++axis) {
+      node.planes[axis][0][slot] = boxes[slot].lower[axis];
+      node.planes[axis][1][slot] = boxes[slot].upper[axis];
+    }
+  }
+  write_orders(boxes.data(), children.count, node.order);
+}
+
+// Where a leaf's row of triangle numbers stands.
+std::uint32_t* ids_of(std::uint32_t* leaves, ChildLink leaf) {
+  return leaves + words_per_triangle * leaf.first() + (words_per_triangle - 1) * leaf.count();
+}
+
+// The vertices of a leaf whose numbers are written.
+void write_vertices(const Geometry& geometry, ChildLink leaf, std::uint32_t* leaves) {
+  const std::uint32_t* ids = ids_of(leaves, leaf);
+  for (std::uint32_t i = 0; i < leaf.count(); ++i) {
+    const Triangle triangle = geometry.triangle(ids[i]);
+    std::uint32_t* word = leaves + words_per_triangle * leaf.first() + i;
     for (const Vec3f& vertex : {triangle.v0, triangle.v1, triangle.v2}) {
-      for (int axis = 0; axis < 3; ++axis, word += leaf.count)
+      for (int axis = 0; axis < 3; ++axis, word += leaf.count())
         *word = std::bit_cast<std::uint32_t>(vertex[axis]);
     }
-    *word = leaf.ids[i];
   }
 }
 
-// From near to far for directions in `octant`, by how far along the octant's diagonal the boxes lie.
-std::uint32_t order_of(const Box3f* boxes, std::uint32_t count, unsigned octant) {
-  std::array<float, wide_node_children> distance;
-  std::array<std::uint32_t, wide_node_children> slots;
-  for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
-    slots[slot] = slot;
-    distance[slot] = std::numeric_limits<float>::infinity();
-    if (slot >= count) continue;
-    const Vec3f center = boxes[slot].lower + boxes[slot].upper;
-    distance[slot] = (octant & 1 ? -center.x : center.x) + (octant & 2 ? -center.y : center.y) +
-                     (octant & 4 ? -center.z : center.z);
+// How many nodes and triangles there are, or the numbers of the first.
+struct Extent {
+  std::size_t nodes = 0, triangles = 0;
+};
+
+// A wide node near the root, or all that is below one further down, which one task lays out.
+struct Section {
+  std::uint32_t binary;
+  std::uint32_t parent, slot;  // section and slot of the node above
+  std::uint32_t depth;         // of its root; that of the tree's is 1
+  bool is_subtree;
+  Extent size, first;
+  std::uint32_t deepest;
+};
+
+// A subtree of fewer than 2^(bits - 1) references is one section.
+constexpr std::uint32_t large_bits = 13;
+
+// Numbers nodes and leaves depth first, so that a subtree lies together: sections are found in this order,
+// measured all at once, numbered, and written all at once.
+class Layout {
+ public:
+  Layout(const Geometry& geometry, const BinaryTree& tree)
+      : geometry_(geometry), tree_(tree), collapse_(tree) {
+    find_sections(0, 0, 0, 1);
+    parallel_for(sections_.size(), [&](std::size_t i) { measure(sections_[i]); });
+    for (Section& section : sections_) {
+      section.first = total_;
+      total_.nodes += section.size.nodes;
+      total_.triangles += section.size.triangles;
+      depth_ = std::max(depth_, section.deepest);
+    }
+    if (total_.triangles > ChildLink::max_place) {
+      throw Error(Error::too_large,
+                  "the hierarchy has more than 2^28 references, which is more than kerf can number");
+    }
   }
-  std::stable_sort(slots.begin(), slots.end(), [&](auto a, auto b) { return distance[a] < distance[b]; });
-  std::uint32_t order = 0;
-  for (std::uint32_t place = 0; place < wide_node_children; ++place) order |= slots[place] << (3 * place);
-  return order;
-}
+
+  WideBvh write() {
+    nodes_ = AlignedArray<WideNode>(total_.nodes);
+    leaves_ = AlignedArray<std::uint32_t>(words_per_triangle * total_.triangles + leaf_padding_words);
+    std::fill_n(leaves_.data() + words_per_triangle * total_.triangles, leaf_padding_words, 0u);
+    parallel_for(sections_.size(), [&](std::size_t i) { write_section(sections_[i]); });
+    for (std::size_t i = 1; i < sections_.size(); ++i) {
+      const Section& section = sections_[i];
+      nodes_[sections_[section.parent].first.nodes].children[section.slot] =
+          ChildLink::node(static_cast<std::uint32_t>(section.first.nodes));
+    }
+    const Box3f& bounds = tree_.nodes[0].bounds;
+    return {.nodes = {nodes_.data(), nodes_.size()},
+            .leaves = {leaves_.data(), leaves_.size()},
+            .bounds = bounds,
+            .largest_coordinate = largest_coordinate(bounds),
+            .depth = depth_,
+            .node_memory = nodes_.owner(),
+            .leaf_memory = leaves_.owner()};
+  }
+
+ private:
+  Collapse::Children children_of(std::uint32_t binary) const {
+    return in_slots(tree_, collapse_.children(binary));
+  }
+
+  void find_sections(std::uint32_t binary, std::uint32_t parent, std::uint32_t slot, std::uint32_t depth) {
+    const auto number = static_cast<std::uint32_t>(sections_.size());
+    const bool is_subtree = !collapse_.is_large(binary, large_bits);
+    sections_.push_back({binary, parent, slot, depth, is_subtree, {}, {}, depth});
+    if (is_subtree) return;
+    const Collapse::Children children = children_of(binary);
+    for (std::uint32_t child = 0; child < children.count; ++child) {
+      if (!collapse_.is_leaf(children.node[child]))
+        find_sections(children.node[child], number, child, depth + 1);
+    }
+  }
+
+  void measure(Section& section) const { measure(section.binary, section.depth, section); }
+
+  void measure(std::uint32_t binary, std::uint32_t depth, Section& section) const {
+    ++section.size.nodes;
+    section.deepest = std::max(section.deepest, depth);
+    const Collapse::Children children = collapse_.children(binary);
+    for (std::uint32_t i = 0; i < children.count; ++i) {
+      if (collapse_.is_leaf(children.node[i])) {
+        LeafTriangles leaf;
+        gather(tree_, children.node[i], leaf);
+        section.size.triangles += leaf.count;
+      } else if (section.is_subtree) {
+        measure(children.node[i], depth + 1, section);
+      }
+    }
+  }
+
+  void write_section(const Section& section) const {
+    Extent next = section.first;
+    write_node(section.binary, section.is_subtree, next);
+    write_leaves(section.first.nodes, next.nodes);
+  }
+
+  // The node and, if wanted, all below it; of the leaves only which triangles are there.
+  void write_node(std::uint32_t binary, bool whole_subtree, Extent& next) const {
+    WideNode& node = nodes_[next.nodes++];
+    const Collapse::Children children = children_of(binary);
+    write_boxes(tree_, children, node);
+    for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
+      if (slot >= children.count) {
+        // Names a real leaf, so that no arithmetic on the strangest ray leads outside.
+        node.children[slot] = ChildLink::leaf(0, 1);
+        continue;
+      }
+      if (!collapse_.is_leaf(children.node[slot])) {
+        node.children[slot] = ChildLink::node(0);  // numbered below
+        continue;
+      }
+      LeafTriangles leaf;
+      gather(tree_, children.node[slot], leaf);
+      node.children[slot] = ChildLink::leaf(static_cast<std::uint32_t>(next.triangles), leaf.count);
+      std::copy_n(leaf.ids.begin(), leaf.count, ids_of(leaves_.data(), node.children[slot]));
+      next.triangles += leaf.count;
+    }
+    if (!whole_subtree) return;
+    for (std::uint32_t slot = 0; slot < children.count; ++slot) {
+      if (collapse_.is_leaf(children.node[slot])) continue;
+      node.children[slot] = ChildLink::node(static_cast<std::uint32_t>(next.nodes));
+      write_node(children.node[slot], true, next);
+    }
+  }
+
+  // Calls `visit` with the leaves of a node, those in its first slots.
+  template <class Visit>
+  void for_leaves(const WideNode& node, const Visit& visit) const {
+    for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
+      if (node.children[slot].is_leaf() && !child_box(node, slot).empty()) visit(node.children[slot]);
+    }
+  }
+
+  // Triangles lie far apart in memory, and their corners from them: both are fetched some nodes ahead.
+  void write_leaves(std::size_t begin, std::size_t end) const {
+    for (std::size_t i = begin; i < end + 2; ++i) {
+      if (i < end) {
+        for_leaves(nodes_[i], [&](ChildLink leaf) { prefetch_indices(leaf); });
+      }
+      if (i >= begin + 1 && i - 1 < end) {
+        for_leaves(nodes_[i - 1], [&](ChildLink leaf) { prefetch_corners(leaf); });
+      }
+      if (i >= begin + 2) {
+        for_leaves(nodes_[i - 2], [&](ChildLink leaf) { write_vertices(geometry_, leaf, leaves_.data()); });
+      }
+    }
+  }
+
+  void prefetch_indices(ChildLink leaf) const {
+    const std::uint32_t* ids = ids_of(leaves_.data(), leaf);
+    for (std::uint32_t i = 0; i < leaf.count(); ++i) geometry_.prefetch_indices(ids[i]);
+  }
+  void prefetch_corners(ChildLink leaf) const {
+    const std::uint32_t* ids = ids_of(leaves_.data(), leaf);
+    for (std::uint32_t i = 0; i < leaf.count(); ++i) geometry_.prefetch_corners(ids[i]);
+  }
+
+  const Geometry& geometry_;
+  const BinaryTree& tree_;
+  const Collapse collapse_;
+  std::vector<Section> sections_;
+  Extent total_;
+  std::uint32_t depth_ = 0;
+  AlignedArray<WideNode> nodes_;
+  AlignedArray<std::uint32_t> leaves_;
+};
 
 }  // namespace
 
 WideBvh make_wide_bvh(const Geometry& geometry, const BinaryTree& tree) {
   if (tree.empty()) return {};
-  const Collapse collapse(tree);
-  const Outline plan = outline(tree, collapse);
-  const AlignedArray<WideNode> nodes(plan.plans.size());
-  const AlignedArray<std::uint32_t> leaves(words_per_triangle * plan.triangles + leaf_padding_words);
-  std::fill_n(leaves.data() + words_per_triangle * plan.triangles, leaf_padding_words, 0u);
-
-  parallel_for_ranges(std::size_t{0}, nodes.size(), 64, [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const Collapse::Children children = in_slots(tree, collapse.children(plan.plans[i].binary));
-      WideNode& node = nodes[i];
-      std::array<Box3f, wide_node_children> boxes;  // empty where unused
-      for (std::uint32_t slot = 0; slot < children.count; ++slot)
-        boxes[slot] = tree.nodes[children.node[slot]].bounds;
-      for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
-        for (int axis = 0; axis < 3; ++axis) {
-          node.planes[axis][0][slot] = boxes[slot].lower[axis];
-          node.planes[axis][1][slot] = boxes[slot].upper[axis];
-        }
-        // An unused slot names a real leaf, so that no arithmetic on the strangest ray leads outside.
-        node.children[slot] = slot < children.count ? plan.plans[i].links[slot] : ChildLink::leaf(0, 1);
-        if (slot < children.count && node.children[slot].is_leaf()) {
-          LeafTriangles leaf;
-          gather(tree, children.node[slot], leaf);
-          write_leaf(geometry, leaf, leaves.data() + words_per_triangle * node.children[slot].first());
-        }
-      }
-      for (unsigned octant = 0; octant < 8; ++octant)
-        node.order[octant] = order_of(boxes.data(), children.count, octant);
-    }
-  });
-  const Box3f& bounds = tree.nodes[0].bounds;
-  return {.nodes = {nodes.data(), nodes.size()},
-          .leaves = {leaves.data(), leaves.size()},
-          .bounds = bounds,
-          .largest_coordinate = largest_coordinate(bounds),
-          .depth = plan.depth,
-          .node_memory = nodes.owner(),
-          .leaf_memory = leaves.owner()};
+  return Layout(geometry, tree).write();
 }
 
 }  // namespace kerf

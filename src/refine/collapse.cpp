@@ -1,69 +1,134 @@
 #include "refine/collapse.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
+
+#include "parallel.hpp"
 
 namespace kerf {
 namespace {
 
-constexpr int max_leaf_references = 8;
+constexpr std::uint32_t slots = 8;
+constexpr std::uint32_t max_leaf_references = 8;
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+// Both halves of a subtree with more nodes than this are solved at once.
+constexpr std::uint32_t task_nodes = 4096;
+
+// D(n, i) and the k that gives it, the lowest of several, for all i = 1 .. 8 at once: element i - 1 takes
+// C(left, k) + C(right, i - k). D(n, 1) is infinite. Loops that compilers make vectors of.
+struct Distribution {
+  float cost[slots];
+  std::int32_t left_share[slots];
+};
+
+void distribute(const float* left, const float* right, Distribution& to) {
+  float shifted[2 * slots];  // from slots - k on, it begins with k that are infinite
+  std::fill_n(shifted, slots, infinity);
+  std::copy_n(right, slots, shifted + slots);
+  std::fill_n(to.cost, slots, infinity);
+  std::fill_n(to.left_share, slots, 1);
+  for (std::int32_t k = 1; k < static_cast<std::int32_t>(slots); ++k) {
+    for (std::uint32_t i = 0; i < slots; ++i) {
+      const float sum = left[k - 1] + shifted[slots - static_cast<std::uint32_t>(k) + i];
+      const bool better = sum < to.cost[i];
+      to.cost[i] = better ? sum : to.cost[i];
+      to.left_share[i] = better ? k : to.left_share[i];
+    }
+  }
+}
+
+// The same where the left subtree is a leaf, which costs no less with more slots: it takes one.
+void distribute_to_right(float left, const float* right, Distribution& to) {
+  to.cost[0] = infinity;
+  for (std::uint32_t i = 2; i <= slots; ++i) {
+    to.cost[i - 1] = left + right[i - 2];
+    to.left_share[i - 1] = 1;
+  }
+}
 
 }  // namespace
 
+// C(n, i) for i = 1 .. 7, and what a parent needs to know beside.
+struct Collapse::Costs {
+  float of[slots];  // the last is not used
+  std::uint32_t references;
+  bool is_binary_leaf;
+};
+
 Collapse::Collapse(const BinaryTree& tree, const CollapseCosts& costs)
-    : tree_(&tree), costs_(costs), least_(tree.nodes.size()), references_(tree.nodes.size()) {
-  for (std::size_t n = tree.nodes.size(); n-- > 0;) {  // children come after their parents
-    const auto node = static_cast<std::uint32_t>(n);
-    const BinaryNode& binary = tree.nodes[node];
-    if (binary.is_leaf()) {
-      references_[node] = static_cast<std::uint8_t>(binary.count);
-      least_[node].fill(leaf_cost(node));
-      continue;
-    }
-    references_[node] = static_cast<std::uint8_t>(
-        std::min(references_[binary.left()] + references_[binary.right()], max_leaf_references + 1));
-    std::uint32_t left_share;
-    least_[node][0] = std::min(leaf_cost(node), half_area(binary.bounds) + distribute(node, 8, left_share));
-    for (std::uint32_t i = 2; i <= most; ++i) {
-      least_[node][i - 1] = std::min(distribute(node, i, left_share), cost(node, i - 1));
-    }
-  }
+    : tree_(&tree), costs_(costs), decisions_(tree.nodes.size()) {
+  if (tree.empty()) return;
+  Costs root;
+  solve(0, static_cast<std::uint32_t>(tree.nodes.size()), root);
 }
 
-float Collapse::leaf_cost(std::uint32_t node) const {
-  if (references_[node] > max_leaf_references) return std::numeric_limits<float>::infinity();
-  return half_area(tree_->nodes[node].bounds) *
-         (costs_.leaf + costs_.triangle * static_cast<float>(references_[node]));
+// Builders number what is below a left child first, then what is below the right one, up to `end`. That only
+// says how much there is to do.
+void Collapse::solve(std::uint32_t node, std::uint32_t end, Costs& costs) {
+  const BinaryNode& binary = tree_->nodes[node];
+  if (binary.is_leaf()) return solve_leaf(node, costs);
+  const BinaryNode& right_node = tree_->nodes[binary.right()];
+  const std::uint32_t middle = right_node.is_leaf() ? end : right_node.first;
+  Costs left, right;
+  if (end > binary.first + task_nodes) {
+    parallel_invoke([&] { solve(binary.left(), middle, left); }, [&] { solve(binary.right(), end, right); });
+  } else {
+    solve(binary.left(), middle, left);
+    solve(binary.right(), end, right);
+  }
+  combine(node, left, right, costs);
+}
+
+void Collapse::solve_leaf(std::uint32_t node, Costs& costs) {
+  const BinaryNode& binary = tree_->nodes[node];
+  const float cost =
+      half_area(binary.bounds) * (costs_.leaf + costs_.triangle * static_cast<float>(binary.count));
+  std::fill_n(costs.of, slots, cost);
+  costs.references = binary.count;
+  costs.is_binary_leaf = true;
+  decisions_[node] = leaf_bit | static_cast<std::uint32_t>(std::bit_width(binary.count)) << size_shift;
 }
 
 // Written so that areas beyond the range of a float, all of whose sums are infinite, still give a valid tree.
-bool Collapse::is_leaf(std::uint32_t node) const {
-  if (tree_->nodes[node].is_leaf()) return true;
-  return references_[node] <= max_leaf_references && cost(node, 1) >= leaf_cost(node);
-}
-
-float Collapse::distribute(std::uint32_t node, std::uint32_t i, std::uint32_t& left_share) const {
-  const std::uint32_t left = tree_->nodes[node].left(), right = tree_->nodes[node].right();
-  float least = std::numeric_limits<float>::infinity();
-  left_share = 1;
-  for (std::uint32_t k = 1; k < i; ++k) {
-    const float sum = cost(left, k) + cost(right, i - k);
-    if (sum < least) {
-      least = sum;
-      left_share = k;
+void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right, Costs& costs) {
+  Distribution best;
+  if (left.is_binary_leaf) {
+    distribute_to_right(left.of[0], right.of, best);
+  } else {
+    distribute(left.of, right.of, best);
+  }
+  const float area = half_area(tree_->nodes[node].bounds);
+  costs.references = left.references + right.references;
+  costs.is_binary_leaf = false;
+  std::uint32_t decision = static_cast<std::uint32_t>(std::bit_width(costs.references)) << size_shift;
+  costs.of[0] = area + best.cost[slots - 1];
+  if (costs.references <= max_leaf_references) {
+    const float leaf = area * (costs_.leaf + costs_.triangle * static_cast<float>(costs.references));
+    if (leaf <= costs.of[0]) {
+      costs.of[0] = leaf;
+      decision |= leaf_bit;
     }
   }
-  return least;
+  for (std::uint32_t i = 2; i < slots; ++i) {
+    const bool divides = best.cost[i - 1] < costs.of[i - 2];
+    costs.of[i - 1] = divides ? best.cost[i - 1] : costs.of[i - 2];
+    decision |= (divides ? static_cast<std::uint32_t>(best.left_share[i - 1]) : 0u) << (3 * (i - 2));
+  }
+  costs.of[slots - 1] = costs.of[slots - 2];
+  decision |= static_cast<std::uint32_t>(best.left_share[slots - 1]) << (3 * (slots - 2));
+  decisions_[node] = decision;
 }
 
 void Collapse::expand(std::uint32_t node, std::uint32_t i, Children& children) const {
-  if (!tree_->nodes[node].is_leaf()) {
-    while (i > 1 && i <= most && cost(node, i) == cost(node, i - 1)) --i;
-    if (i > 1) {
-      std::uint32_t left_share;
-      distribute(node, i, left_share);
-      expand(tree_->nodes[node].left(), left_share, children);
-      expand(tree_->nodes[node].right(), i - left_share, children);
+  const BinaryNode& binary = tree_->nodes[node];
+  if (!binary.is_leaf()) {
+    for (; i > 1; --i) {
+      const std::uint32_t left_share = (decisions_[node] >> (3 * (i - 2))) & 7u;
+      if (left_share == 0) continue;
+      expand(binary.left(), left_share, children);
+      expand(binary.right(), i - left_share, children);
       return;
     }
   }
@@ -72,7 +137,7 @@ void Collapse::expand(std::uint32_t node, std::uint32_t i, Children& children) c
 
 Collapse::Children Collapse::children(std::uint32_t node) const {
   Children children;
-  expand(node, 8, children);
+  expand(node, slots, children);
   return children;
 }
 

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "tree/aligned_array.hpp"
 #include "tree/binary_tree.hpp"
 
 namespace kerf {
@@ -23,8 +24,12 @@ struct CollapseCosts {
 ///     C(n, 1) = min(leaf, A(n) + D(n, 8))           one child: a leaf or a wide node
 ///     C(n, i) = min(D(n, i), C(n, i - 1))           2 <= i <= 7
 ///     D(n, i) = min over k of C(left, k) + C(right, i - k)
+///
+/// A node's costs are needed by its parent alone, so that what is kept of them is which minimum was taken:
+/// four bytes a node.
 class Collapse {
  public:
+  /// On all threads of the task arena that this is called in. `tree` must outlive this.
   explicit Collapse(const BinaryTree& tree, const CollapseCosts& costs = {});
 
   /// The binary nodes that are the children of the wide node of `node`, in the tree's order.
@@ -35,20 +40,35 @@ class Collapse {
   Children children(std::uint32_t node) const;
 
   /// Whether the binary node, a child of a wide one, becomes a leaf.
-  bool is_leaf(std::uint32_t node) const;
+  bool is_leaf(std::uint32_t node) const { return (decisions_[node] & leaf_bit) != 0; }
+
+  /// Whether at least `2^(bits - 1)` references stand below the node.
+  bool is_large(std::uint32_t node, std::uint32_t bits) const {
+    return decisions_[node] >> size_shift >= bits;
+  }
+
+  /// What is held for a tree of that many nodes.
+  static constexpr std::size_t bytes(std::size_t nodes) { return nodes * sizeof(std::uint32_t); }
 
  private:
-  static constexpr std::uint32_t most = 7;
+  // One word a node:
+  //
+  //     bit 27..22             21           20..18  ...  5..3    2..0
+  //     bits of its number     C(n, 1)      k of            k of    k of
+  //     of references          is a leaf    D(n, 8)         D(n, 3) D(n, 2)
+  //
+  // A k of 0 stands for C(n, i) = C(n, i - 1).
+  static constexpr std::uint32_t leaf_bit = 1u << 21, size_shift = 22;
 
-  float cost(std::uint32_t node, std::uint32_t i) const { return least_[node][i - 1]; }
-  float leaf_cost(std::uint32_t node) const;
-  float distribute(std::uint32_t node, std::uint32_t i, std::uint32_t& left_share) const;
+  struct Costs;
+  void solve(std::uint32_t node, std::uint32_t end, Costs& costs);
+  void solve_leaf(std::uint32_t node, Costs& costs);
+  void combine(std::uint32_t node, const Costs& left, const Costs& right, Costs& costs);
   void expand(std::uint32_t node, std::uint32_t i, Children& children) const;
 
   const BinaryTree* tree_;
   CollapseCosts costs_;
-  std::vector<std::array<float, most>> least_;  // least_[n][i - 1] is C(n, i)
-  std::vector<std::uint8_t> references_;        // below each node; more than eight count as nine
+  AlignedArray<std::uint32_t> decisions_;
 };
 
 }  // namespace kerf

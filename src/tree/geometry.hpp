@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <hwy/cache_control.h>
 #include <kerf/mesh.hpp>
 
 #include "math/triangle.hpp"
@@ -32,6 +33,21 @@ class Geometry {
     const auto [a, b, c] = meshes_[mesh].triangles[primitive].values;
     const auto& vertices = meshes_[mesh].vertices;
     return {vertex(vertices, a), vertex(vertices, b), vertex(vertices, c)};
+  }
+
+  /// Triangles lie far apart in memory from each other, and their corners from them. Who will read some
+  /// fetches their indices first, then, when these have come, their corners.
+  void prefetch_indices(std::uint32_t id) const {
+    const auto [mesh, primitive] = locate(id);
+    const auto& triangles = meshes_[mesh].triangles;
+    hwy::Prefetch(triangles.data() + primitive * triangles.stride());
+  }
+  void prefetch_corners(std::uint32_t id) const {
+    const auto [mesh, primitive] = locate(id);
+    const auto& vertices = meshes_[mesh].vertices;
+    const auto indices = meshes_[mesh].triangles[primitive];
+    for (const std::uint32_t index : indices.values)
+      hwy::Prefetch(vertices.data() + index * vertices.stride());
   }
 
   struct Location {
