@@ -9,7 +9,7 @@
 #include <zlib.h>
 
 #include "math/vec3f.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_directory.hpp"
 
 namespace workbench {
 namespace {
@@ -96,32 +96,32 @@ void expect_the_triangle(const std::string& file) {
 }
 
 TEST(LoadFile, ReadsEveryFormat) {
-  const TemporaryFolder folder;
-  folder.write("buffer.bin", gltf_buffer());
-  expect_the_triangle(folder.write("a.obj", obj));
-  expect_the_triangle(folder.write("ascii.ply", ascii_ply));
-  expect_the_triangle(folder.write("binary.ply", binary_ply));
-  expect_the_triangle(folder.write("ascii.stl", ascii_stl));
-  expect_the_triangle(folder.write("binary.stl", binary_stl(1)));
-  expect_the_triangle(folder.write("a.gltf", gltf(R"("uri":"buffer.bin",)")));
-  expect_the_triangle(folder.write("a.glb", glb(gltf_buffer())));
-  expect_the_triangle(folder.write("A.OBJ", obj));
+  const TemporaryDirectory directory;
+  directory.write("buffer.bin", gltf_buffer());
+  expect_the_triangle(directory.write("a.obj", obj));
+  expect_the_triangle(directory.write("ascii.ply", ascii_ply));
+  expect_the_triangle(directory.write("binary.ply", binary_ply));
+  expect_the_triangle(directory.write("ascii.stl", ascii_stl));
+  expect_the_triangle(directory.write("binary.stl", binary_stl(1)));
+  expect_the_triangle(directory.write("a.gltf", gltf(R"("uri":"buffer.bin",)")));
+  expect_the_triangle(directory.write("a.glb", glb(gltf_buffer())));
+  expect_the_triangle(directory.write("A.OBJ", obj));
 }
 
 TEST(LoadFile, ReadsEveryFormatGzipped) {
-  const TemporaryFolder folder;
-  folder.write("buffer.bin", gltf_buffer());
-  expect_the_triangle(folder.write("a.obj.gz", gzip(obj)));
-  expect_the_triangle(folder.write("a.ply.gz", gzip(binary_ply)));
-  expect_the_triangle(folder.write("a.stl.gz", gzip(binary_stl(1))));
-  expect_the_triangle(folder.write("a.gltf.gz", gzip(gltf(R"("uri":"buffer.bin",)"))));
-  expect_the_triangle(folder.write("a.glb.gz", gzip(glb(gltf_buffer()))));
+  const TemporaryDirectory directory;
+  directory.write("buffer.bin", gltf_buffer());
+  expect_the_triangle(directory.write("a.obj.gz", gzip(obj)));
+  expect_the_triangle(directory.write("a.ply.gz", gzip(binary_ply)));
+  expect_the_triangle(directory.write("a.stl.gz", gzip(binary_stl(1))));
+  expect_the_triangle(directory.write("a.gltf.gz", gzip(gltf(R"("uri":"buffer.bin",)"))));
+  expect_the_triangle(directory.write("a.glb.gz", gzip(glb(gltf_buffer()))));
 }
 
 TEST(LoadFile, AppliesTransformsOfNodesMirroredOnesToo) {
-  const TemporaryFolder folder;
-  folder.write("buffer.bin", gltf_buffer());
-  const Scene scene = load_file(folder.write(
+  const TemporaryDirectory directory;
+  directory.write("buffer.bin", gltf_buffer());
+  const Scene scene = load_file(directory.write(
       "a.gltf", gltf(R"("uri":"buffer.bin",)", R"("mesh":0,"scale":[-2,1,1],"translation":[0,0,5])")));
   ASSERT_EQ(scene.triangles.size(), 1u);
   EXPECT_EQ(scene.vertices.at(scene.triangles[0][0]), (Vec3f{0, 0, 5}));
@@ -140,26 +140,26 @@ float area_of(const Scene& scene, std::size_t begin, std::size_t end) {
 }
 
 TEST(LoadFile, TriangulatesPolygonsWithoutLosingArea) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   // An L of area 3, which a fan from its first vertex would not cover.
-  const Scene scene = load_file(folder.write(
+  const Scene scene = load_file(directory.write(
       "a.obj", "v 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nf 1 2 3 4 5 6\nl 1 2\np 1\n"));
   EXPECT_EQ(scene.triangles.size(), 4u);
   EXPECT_FLOAT_EQ(area_of(scene, 0, 4), 3.0f);
 }
 
 TEST(LoadFile, TriangulatesThePolygonsOfPlyAsWell) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   const std::string header = ply_header("ascii", "6", "4");
   // The same L, a face of two vertices, one of none, and one that crosses itself.
-  const Scene scene = load_file(folder.write(
+  const Scene scene = load_file(directory.write(
       "a.ply", header + "2 1 0\n1 1 0\n1 2 0\n0 2 0\n0 0 0\n2 0 0\n6 0 1 2 3 4 5\n2 0 1\n0\n4 0 3 1 5\n"));
   ASSERT_EQ(scene.triangles.size(), 6u);
   EXPECT_FLOAT_EQ(area_of(scene, 0, 4), 3.0f);
 }
 
 TEST(LoadFile, IsNotKeptBusyByPolygonsOfManyCorners) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   constexpr int corners = 200'000;
   std::string ply_vertices, ply_face = std::to_string(corners), obj_lines, obj_face = "f";
   for (int i = 0; i < corners; ++i) {
@@ -170,13 +170,13 @@ TEST(LoadFile, IsNotKeptBusyByPolygonsOfManyCorners) {
     ply_face += " " + std::to_string(i);
   }
   const std::string header = ply_header("ascii", std::to_string(corners));
-  EXPECT_EQ(load_file(folder.write("a.ply", header + ply_vertices + ply_face + "\n")).triangles.size(),
+  EXPECT_EQ(load_file(directory.write("a.ply", header + ply_vertices + ply_face + "\n")).triangles.size(),
             corners - 2u);
-  EXPECT_EQ(load_file(folder.write("a.obj", obj_lines + obj_face + "\n")).triangles.size(), corners - 2u);
+  EXPECT_EQ(load_file(directory.write("a.obj", obj_lines + obj_face + "\n")).triangles.size(), corners - 2u);
 }
 
 TEST(LoadFile, ReadsPlyOfAnyByteOrderWithPropertiesNobodyAskedFor) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   const auto big = [](auto value) {
     std::string bytes = binary(value);
     std::reverse(bytes.begin(), bytes.end());
@@ -192,32 +192,32 @@ TEST(LoadFile, ReadsPlyOfAnyByteOrderWithPropertiesNobodyAskedFor) {
     bytes += big(0.0) + big(std::uint8_t{255}) + big(x) + big(y);
   }
   bytes += big(0.5f) + big(std::uint16_t{3}) + big(0u) + big(1u) + big(2u);
-  expect_the_triangle(folder.write("a.ply", bytes));
+  expect_the_triangle(directory.write("a.ply", bytes));
 }
 
 TEST(LoadFile, UnderstandsTheOddSyntaxOfObj) {
-  const TemporaryFolder folder;
-  expect_the_triangle(folder.write("negative.obj", obj_vertices + "f -3 -2 -1\n"));
+  const TemporaryDirectory directory;
+  expect_the_triangle(directory.write("negative.obj", obj_vertices + "f -3 -2 -1\n"));
   expect_the_triangle(
-      folder.write("normals.obj", "mtllib absent.mtl\n" + obj_vertices + "vn 0 0 1\nf 1//1 2//1 3//1"));
-  expect_the_triangle(folder.write("joined.obj", obj_vertices + "f 1 \\\r\n 2 3 # and no more\r\n"));
-  expect_the_triangle(folder.write("before.obj", "f 1 2 3\n" + obj_vertices));
+      directory.write("normals.obj", "mtllib absent.mtl\n" + obj_vertices + "vn 0 0 1\nf 1//1 2//1 3//1"));
+  expect_the_triangle(directory.write("joined.obj", obj_vertices + "f 1 \\\r\n 2 3 # and no more\r\n"));
+  expect_the_triangle(directory.write("before.obj", "f 1 2 3\n" + obj_vertices));
   expect_the_triangle(
-      folder.write("colours.obj", "v 0 0 0 1 .5 0\nv 1. -0 0 1 .5 0\nv .0 +1e0 0 1 .5 0\nf 1 2 3\n"));
+      directory.write("colours.obj", "v 0 0 0 1 .5 0\nv 1. -0 0 1 .5 0\nv .0 +1e0 0 1 .5 0\nf 1 2 3\n"));
 }
 
 TEST(LoadFile, JoinsVerticesAtTheSamePlace) {
-  const TemporaryFolder folder;
-  const Scene scene = load_file(folder.write("a.stl", binary_stl(2) + binary_stl(1).substr(84)));
+  const TemporaryDirectory directory;
+  const Scene scene = load_file(directory.write("a.stl", binary_stl(2) + binary_stl(1).substr(84)));
   EXPECT_EQ(scene.triangles.size(), 2u);
   EXPECT_EQ(scene.vertices.size(), 3u);
 }
 
 TEST(LoadFile, KeepsDegenerateTriangles) {
-  const TemporaryFolder folder;
-  EXPECT_EQ(load_file(folder.write("a.obj", obj + "f 1 1 2\nf 3 3 3\n")).triangles.size(), 3u);
-  EXPECT_EQ(load_file(folder.write("a.ply",
-                                   ply_header("ascii", "3", "2") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 1 1 1\n"))
+  const TemporaryDirectory directory;
+  EXPECT_EQ(load_file(directory.write("a.obj", obj + "f 1 1 2\nf 3 3 3\n")).triangles.size(), 3u);
+  EXPECT_EQ(load_file(directory.write(
+                          "a.ply", ply_header("ascii", "3", "2") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 1 1 1\n"))
                 .triangles.size(),
             2u);
 }
@@ -229,10 +229,10 @@ struct BadFile {
 };
 
 TEST(LoadFile, SaysInOneLineWhatIsWrongAndWhere) {
-  const TemporaryFolder folder;
-  folder.write("buffer.bin", gltf_buffer());
-  folder.write("short.bin", gltf_buffer().substr(0, 20));
-  folder.write("bad_index.bin", gltf_buffer(7));
+  const TemporaryDirectory directory;
+  directory.write("buffer.bin", gltf_buffer());
+  directory.write("short.bin", gltf_buffer().substr(0, 20));
+  directory.write("bad_index.bin", gltf_buffer(7));
   constexpr float nan = std::numeric_limits<float>::quiet_NaN();
   const std::string nan_vertices = binary(0.0f, 0.0f, 0.0f, 1.0f, nan, 0.0f, 0.0f, 1.0f, 0.0f);
   const std::string little = ply_header("binary_little_endian");
@@ -310,7 +310,7 @@ TEST(LoadFile, SaysInOneLineWhatIsWrongAndWhere) {
   };
   for (const BadFile& bad : files) {
     SCOPED_TRACE(bad.name);
-    const std::string file = folder.write(bad.name, bad.bytes);
+    const std::string file = directory.write(bad.name, bad.bytes);
     try {
       load_file(file);
       ADD_FAILURE() << "was loaded";
@@ -325,9 +325,9 @@ TEST(LoadFile, SaysInOneLineWhatIsWrongAndWhere) {
 }
 
 TEST(LoadFile, NamesAFileThatIsNotThere) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   try {
-    load_file(folder.path("absent.obj"));
+    load_file((directory / "absent.obj"));
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), Error::io);
@@ -336,8 +336,8 @@ TEST(LoadFile, NamesAFileThatIsNotThere) {
 }
 
 TEST(LoadFile, NeverCrashesOnATruncatedFile) {
-  const TemporaryFolder folder;
-  folder.write("buffer.bin", gltf_buffer());
+  const TemporaryDirectory directory;
+  directory.write("buffer.bin", gltf_buffer());
   const std::pair<std::string, std::string> files[] = {{"a.obj", obj},
                                                        {"a.ply", ascii_ply},
                                                        {"b.ply", binary_ply},
@@ -349,7 +349,7 @@ TEST(LoadFile, NeverCrashesOnATruncatedFile) {
     // The last few bytes may be ones that nobody misses: the name behind endsolid.
     for (std::size_t size = 0; size + 4 < bytes.size(); size += 1 + bytes.size() / 40) {
       SCOPED_TRACE(name + " of " + std::to_string(size) + " bytes");
-      const std::string file = folder.write(name, bytes.substr(0, size));
+      const std::string file = directory.write(name, bytes.substr(0, size));
       EXPECT_THROW(load_file(file), Error);
     }
   }

@@ -9,7 +9,7 @@
 
 namespace {
 
-using namespace kerf_test;
+using namespace kerf_tests;
 
 constexpr std::string_view browser = KERF_BROWSER;
 
@@ -50,7 +50,7 @@ class ReportInBrowser : public testing::Test {
     EXPECT_NE(made.output.find(page), std::string::npos) << "the tool says where the report is";
 
     // All that the page could load is in the page.
-    const std::string source = read_file(page);
+    const std::string source = read_bytes(page);
     const std::regex reference("<[a-z][^>]* (src|href)=\"([^\"]{0,5})");
     for (std::sregex_iterator match(source.begin(), source.end(), reference), end; match != end; ++match) {
       EXPECT_TRUE((*match)[2].str() == "data:" || (*match)[2].str()[0] == '#') << match->str();
@@ -93,7 +93,7 @@ TEST_F(ReportInBrowser, SweepShowsItsChartsAndATable) {
 
 TEST_F(ReportInBrowser, AFileNameCannotInjectMarkup) {
   const std::string name = directory_.file("<img src=x onerror=alert(1)>.obj");
-  write_file(name, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write_bytes(name, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   const std::string document = make_and_open("compare '" + name + "' --builders bvh");
   EXPECT_EQ(document.find("<img src=\"x\""), std::string::npos);
   EXPECT_NE(document.find("data-pictures-shown=\"2\""), std::string::npos);

@@ -2,44 +2,13 @@
 #pragma once
 
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 
 #include <sys/wait.h>
 
-namespace kerf_test {
+#include "tests/temporary_directory.hpp"
 
-/// A directory of its own, gone at the end of the test.
-class TemporaryDirectory {
- public:
-  TemporaryDirectory() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "kerf-test-XXXXXX").string();
-    if (mkdtemp(pattern.data()) != nullptr) path_ = pattern;
-  }
-  ~TemporaryDirectory() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
-
-inline std::string read_file(const std::string& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-inline void write_file(const std::string& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary) << bytes;
-}
+namespace kerf_tests {
 
 struct Outcome {
   int status;          ///< exit status; -1 for a program that a signal ended
@@ -52,7 +21,7 @@ inline Outcome run_command(const std::string& command) {
   const TemporaryDirectory directory;
   const std::string output = directory.file("output"), errors = directory.file("errors");
   const int status = std::system((command + " </dev/null >" + output + " 2>" + errors).c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(output), read_file(errors)};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_bytes(output), read_bytes(errors)};
 }
 
 /// `kerf` with `arguments`, as one would type them in a shell.
@@ -60,4 +29,4 @@ inline Outcome run_tool(const std::string& arguments) {
   return run_command(KERF_TOOL " " + arguments);
 }
 
-}  // namespace kerf_test
+}  // namespace kerf_tests

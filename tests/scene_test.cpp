@@ -7,7 +7,7 @@
 #include <kerf/kerf.hpp>
 
 #include "math/box3f.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_directory.hpp"
 #include "workbench/camera.hpp"
 #include "workbench/generated_scenes.hpp"
 #include "workbench/scene_spec.hpp"
@@ -111,18 +111,18 @@ TEST(LoadScene, RotatesAboutZThenYThenXAndTheViewpointsWithIt) {
 }
 
 TEST(LoadScene, ReadsFilesWithColonsInTheirNames) {
-  const TemporaryFolder folder;
+  const TemporaryDirectory directory;
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   for (const std::string_view name : {"a:b.obj", "a:rotate=1.obj"}) {
-    const std::string file = folder.write(name, triangle);
+    const std::string file = directory.write(name, triangle);
     EXPECT_EQ(load_scene(file).triangles.size(), 1u);
     EXPECT_NE(load_scene(file + ":rotate=30").vertices, load_scene(file).vertices);
   }
 }
 
 TEST(LoadScene, NamesWhatIsWrongWithTheOptions) {
-  const TemporaryFolder folder;
-  const std::string file = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   for (const auto& [spec, cause] : {std::pair<std::string, std::string>{"sticks:turn=30", "turn"},
                                     {"sticks:rotate=far", "far"},
                                     {"sticks:rotate", "rotate"},

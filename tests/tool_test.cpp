@@ -12,7 +12,7 @@
 
 namespace {
 
-using namespace kerf_test;
+using namespace kerf_tests;
 using Json = nlohmann::json;
 
 // Small enough for sanitizers; three rounds of timing are the fewest.
@@ -115,9 +115,9 @@ TEST(Tool, BadUsageIsStatusTwoAndOneLine) {
 
 TEST(Tool, BadInputIsStatusOneAndOneLineThatNamesTheFile) {
   const TemporaryDirectory directory;
-  write_file(directory.file("empty.obj"), "");
-  write_file(directory.file("points.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
-  write_file(directory.file("scene.xyz"), "0 0 0\n");
+  write_bytes(directory.file("empty.obj"), "");
+  write_bytes(directory.file("points.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  write_bytes(directory.file("scene.xyz"), "0 0 0\n");
   for (const char* name : {"missing.obj", "empty.obj", "points.obj", "scene.xyz"}) {
     for (const char* command : {"info", "compare", "sweep"}) {
       const Outcome outcome = run_tool(std::string(command) + " " + directory.file(name));
@@ -199,7 +199,7 @@ TEST(Tool, JsonInAFileLeavesTheTableOnStandardOutput) {
       run_tool("compare " + small + quick + " --builders bvh --json " + directory.file("figures.json"));
   EXPECT_EQ(outcome.status, 0);
   EXPECT_NE(outcome.output.find("SAH"), std::string::npos);
-  EXPECT_EQ(Json::parse(read_file(directory.file("figures.json")))["scenes"][0]["builders"].size(), 1u);
+  EXPECT_EQ(Json::parse(read_bytes(directory.file("figures.json")))["scenes"][0]["builders"].size(), 1u);
 }
 
 TEST(Tool, SweepHasAnEntryForEachAlphaWhoseCostFalls) {
@@ -226,7 +226,7 @@ TEST(Tool, RendersTheSamePictureWithEveryBuilder) {
     const Outcome outcome =
         run_tool("render " + small + " --size 33x21 --view 1 --builder " + builder + " -o " + file);
     ASSERT_EQ(outcome.status, 0) << outcome.errors;
-    const std::string png = read_file(file);
+    const std::string png = read_bytes(file);
     // Width and height stand big-endian in the header chunk (PNG specification, section 11.2.1).
     ASSERT_GT(png.size(), 24u);
     EXPECT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");
@@ -249,8 +249,8 @@ TEST(Tool, RendersThreeModesThatDiffer) {
 
 TEST(Tool, InfoCountsWhatTheFileHolds) {
   const TemporaryDirectory directory;
-  write_file(directory.file("two.obj"),
-             "v 0 0 0\nv 4 0 0\nv 0 5 0\nv 0 0 6\nf 1 2 3\nf 1 2 4\nf 1 1 2\n");  // the third has no area
+  write_bytes(directory.file("two.obj"),
+              "v 0 0 0\nv 4 0 0\nv 0 5 0\nv 0 0 6\nf 1 2 3\nf 1 2 4\nf 1 1 2\n");  // the third has no area
   const Outcome outcome = run_tool("info " + directory.file("two.obj"));
   EXPECT_EQ(outcome.status, 0) << outcome.errors;
   for (const char* part :
@@ -269,7 +269,7 @@ TEST(Tool, ListsEveryGeneratedScene) {
 
 TEST(Tool, ATriangleWithoutAreaAloneIsTracedAndMissed) {
   const TemporaryDirectory directory;
-  write_file(directory.file("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  write_bytes(directory.file("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
   const Outcome outcome = run_tool("compare " + directory.file("line.obj") + quick + "--json -");
   if (outcome.status == 1) return expect_one_line_about(outcome.errors, directory.file("line.obj"));
   ASSERT_EQ(outcome.status, 0) << outcome.errors;
