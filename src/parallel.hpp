@@ -34,22 +34,6 @@ namespace kerf {
 
 #ifdef KERF_STANDARD_THREADS
 
-extern "C" void __tsan_acquire(void* address);
-extern "C" void __tsan_release(void* address);
-
-/// A thread that begins may be given the number of one that has ended, and with it what tbb's containers keep
-/// for that number: all that the one did happened before anything that the other does.
-class ThreadOrder {
- public:
-  ThreadOrder() { __tsan_acquire(&moment); }
-  ~ThreadOrder() { __tsan_release(&moment); }
-  ThreadOrder(const ThreadOrder&) = delete;
-  ThreadOrder& operator=(const ThreadOrder&) = delete;
-
- private:
-  static inline char moment = 0;
-};
-
 /// Whether this thread works in an arena for one.
 inline thread_local bool one_thread_only = false;
 
@@ -74,10 +58,7 @@ void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& 
   if (one_thread_only) {
     work();
   } else {
-    const std::jthread other([&work] {
-      const ThreadOrder order;
-      work();
-    });
+    const std::jthread other(work);
     work();
   }
   if (error) std::rethrow_exception(error);

@@ -7,13 +7,13 @@
 #include <memory>
 #include <new>
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/global_control.h>
 
 #include "build/input.hpp"
 #include "build/progress.hpp"
 #include "build/subtree.hpp"
 #include "parallel.hpp"
+#include "scratch_pool.hpp"
 #include "tree/aligned_array.hpp"
 
 namespace kerf {
@@ -24,7 +24,7 @@ namespace {
 // nothing to schedule.
 constexpr std::uint32_t task_capacity = 4096;
 
-// Where one thread builds a subtree before it is stored. A subtree of n references has at most 2n - 1 nodes.
+// Where a task builds a subtree before it is stored. A subtree of n references has at most 2n - 1 nodes.
 struct Scratch {
   std::unique_ptr<BinaryNode[]> nodes{new BinaryNode[2 * task_capacity]};
   std::unique_ptr<std::uint32_t[]> references{new std::uint32_t[task_capacity]};
@@ -71,8 +71,8 @@ class Driver {
 
   // What was built takes the place of the references that it was built from, which nobody needs any more.
   void build_subtree_of(Part& part, const NodeInput& node) {
-    Scratch& scratch = scratch_.local();
-    part.size = build_subtree(context_, node, scratch.nodes.get(), scratch.references.get());
+    const auto scratch = scratch_.borrow([] { return Scratch(); });
+    part.size = build_subtree(context_, node, scratch->nodes.get(), scratch->references.get());
     const std::size_t node_bytes = part.size.nodes * sizeof(BinaryNode);
     const std::size_t bytes = node_bytes + part.size.references * sizeof(std::uint32_t);
     auto* place = reinterpret_cast<std::byte*>(context_.arena + node.range.begin);
@@ -81,8 +81,8 @@ class Driver {
       place = part.spill.get();
       spilled_bytes_ += bytes;
     }
-    std::memcpy(place, scratch.nodes.get(), node_bytes);
-    std::memcpy(place + node_bytes, scratch.references.get(), bytes - node_bytes);
+    std::memcpy(place, scratch->nodes.get(), node_bytes);
+    std::memcpy(place + node_bytes, scratch->references.get(), bytes - node_bytes);
     part.stored = place;
     progress_.add(node.range.count());
   }
@@ -137,7 +137,7 @@ class Driver {
   const BuildContext& context_;
   Progress progress_;
   std::atomic<std::size_t> spilled_bytes_ = 0;
-  tbb::enumerable_thread_specific<Scratch> scratch_;
+  ScratchPool<Scratch> scratch_;
 };
 
 // oneTBB has no more threads than this for anyone, and warns whoever asks for more.

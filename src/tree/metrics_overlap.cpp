@@ -2,9 +2,8 @@
 // counts.
 #include <cstdint>
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include "parallel.hpp"
+#include "scratch_pool.hpp"
 #include "tree/metrics.hpp"
 #include "tree/polygon.hpp"
 
@@ -39,10 +38,7 @@ using Stamps = std::vector<std::uint32_t>;
 class Overlap {
  public:
   Overlap(const BinaryTree& tree, const Geometry& geometry)
-      : tree_(tree),
-        geometry_(geometry),
-        owners_(tree, geometry.triangle_count()),
-        stamps_(Stamps(tree.nodes.size(), 0)) {}
+      : tree_(tree), geometry_(geometry), owners_(tree, geometry.triangle_count()) {}
 
   struct Sum {
     double surface = 0.0;
@@ -60,8 +56,8 @@ class Overlap {
     const auto count = static_cast<std::uint32_t>(geometry_.triangle_count());
     return parallel_sum<Sum>(count, grain, [this](const auto& range) {
       Sum sum;
-      Stamps& stamps = stamps_.local();
-      for (std::uint32_t id = range.begin(); id != range.end(); ++id) sum = sum + of_triangle(id, stamps);
+      const auto stamps = stamps_.borrow([this] { return Stamps(tree_.nodes.size(), 0); });
+      for (std::uint32_t id = range.begin(); id != range.end(); ++id) sum = sum + of_triangle(id, *stamps);
       return sum;
     });
   }
@@ -96,7 +92,7 @@ class Overlap {
   const BinaryTree& tree_;
   const Geometry& geometry_;
   LeavesOfTriangles owners_;
-  tbb::enumerable_thread_specific<Stamps> stamps_;
+  ScratchPool<Stamps> stamps_;
 };
 
 }  // namespace
