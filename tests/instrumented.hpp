@@ -5,9 +5,17 @@
 
 namespace test {
 
-#if defined(__SANITIZE_THREAD__)
+#if defined(__has_feature)  // clang's way to say it
+#if __has_feature(thread_sanitizer)
+#define KERF_THREADS_WATCHED
+#elif __has_feature(address_sanitizer)
+#define KERF_MEMORY_WATCHED
+#endif
+#endif
+
+#if defined(__SANITIZE_THREAD__) || defined(KERF_THREADS_WATCHED)
 inline constexpr std::size_t slowdown = 16;
-#elif defined(__SANITIZE_ADDRESS__) || !defined(NDEBUG)
+#elif defined(__SANITIZE_ADDRESS__) || defined(KERF_MEMORY_WATCHED) || !defined(NDEBUG)
 inline constexpr std::size_t slowdown = 4;
 #else
 inline constexpr std::size_t slowdown = 1;

@@ -155,36 +155,75 @@ TEST(KerfFile, EveryTruncationAndEveryChangedByteIsRefused) {
         << length;
   }
   ASSERT_EQ(error_of([&] { forged::load(bytes_of(file + '\0')); }).first, Error::bad_format);
+  std::string changed = file;
   for (std::size_t i = 0; i < file.size(); ++i) {
-    for (const int change : {0x01, 0x80, 0xff}) {
-      std::string changed = file;
-      changed[i] = static_cast<char>(changed[i] ^ change);
-      ASSERT_EQ(error_of([&] { forged::load(bytes_of(changed)); }).first, Error::bad_format) << i;
+    for (int change = 1; change < 256; ++change) {
+      changed[i] = static_cast<char>(file[i] ^ change);
+      ASSERT_EQ(error_of([&] { forged::load(bytes_of(changed)); }).first, Error::bad_format)
+          << "byte " << i << " changed by " << change;
     }
+    changed[i] = file[i];
   }
 }
 
-// The same with the checksums set right again: whoever forges a file can do that. What is not refused must
-// answer.
+// Shows `file` with its checksums set right again, as whoever forges one can do: it is refused, which is
+// counted, or it answers.
+void present_forged(std::string file, std::size_t& refused) {
+  forged::sign(std::as_writable_bytes(std::span(file)));
+  try {
+    forged::question(forged::load(bytes_of(file)));
+  } catch (const Error& error) {
+    ASSERT_EQ(error.code(), Error::bad_format);
+    ++refused;
+  }
+}
+
 TEST(KerfFile, AForgedFileIsRefusedOrAnswers) {
   const std::string file = saved(build(workbench::make_sphere(1).mesh()));
-  std::size_t loaded = 0, refused = 0;
+  std::size_t shown = 0, refused = 0;
   for (std::size_t i = 0; i < file.size(); ++i) {
     for (const int value : {0x00, 0x7f, 0xff}) {
       std::string changed = file;
       changed[i] = static_cast<char>(value);
-      forged::sign(std::as_writable_bytes(std::span(changed)));
-      try {
-        forged::question(forged::load(bytes_of(changed)));
-        ++loaded;
-      } catch (const Error& error) {
-        ASSERT_EQ(error.code(), Error::bad_format);
-        ++refused;
-      }
+      present_forged(changed, refused);
+      ++shown;
     }
   }
-  EXPECT_GT(loaded, 0u);   // coordinates may be changed at will,
-  EXPECT_GT(refused, 0u);  // links may not
+  EXPECT_LT(refused, shown);  // coordinates may be changed at will,
+  EXPECT_GT(refused, 0u);     // links may not
+}
+
+TEST(KerfFile, EveryForgedByteOfASmallFileIsRefusedOrAnswers) {
+  const std::vector<Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const std::vector<std::uint32_t> indices{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+  const std::string file = saved(build({.vertices = vertices, .triangles = indices}));
+  std::size_t shown = 0, refused = 0;
+  for (std::size_t i = 0; i < file.size(); ++i) {
+    std::string changed = file;
+    for (int change = 1; change < 256; ++change) {
+      changed[i] = static_cast<char>(file[i] ^ change);
+      present_forged(changed, refused);
+      ++shown;
+    }
+  }
+  EXPECT_LT(refused, shown);
+  EXPECT_GT(refused, 0u);
+  refused = 0;
+  for (std::size_t length = 0; length < file.size(); ++length)
+    present_forged(file.substr(0, length), refused);
+  EXPECT_EQ(refused, file.size());
+}
+
+// A header's reserved bytes are zeros, whatever its checksum says.
+TEST(KerfFile, SomethingWhereAZeroBelongsIsRefused) {
+  const std::string file = saved(build(workbench::make_sphere(0).mesh()));
+  for (std::size_t i = offsetof(FileHeader, zero); i < offsetof(FileHeader, bounds); ++i) {
+    std::string changed = file;
+    changed[i] = 1;
+    forged::sign(std::as_writable_bytes(std::span(changed)));
+    EXPECT_EQ(error_of([&] { forged::load(bytes_of(changed)); }).second,
+              "the header has something where a zero belongs");
+  }
 }
 
 TEST(KerfFile, LinksThatLeadAstrayAreRefused) {
