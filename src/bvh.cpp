@@ -14,15 +14,19 @@
 namespace kerf {
 namespace {
 
-// The hit with its triangle named by mesh and primitive, or nothing.
-std::optional<Hit> named(const Bvh::Structure& structure, Hit hit) {
-  if (!hit) return std::nullopt;
+// Names the triangle of a hit by mesh and primitive.
+void name_triangle(const Bvh::Structure& structure, Hit& hit) {
   const auto& first = structure.first_triangles;
   hit.mesh = 0;
-  if (first.size() == 2) return hit;
+  if (first.size() == 2) return;
   hit.mesh = static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), hit.primitive) -
                                         first.begin() - 1);
   hit.primitive -= first[hit.mesh];
+}
+
+std::optional<Hit> named(const Bvh::Structure& structure, Hit hit) {
+  if (!hit) return std::nullopt;
+  name_triangle(structure, hit);
   return hit;
 }
 
@@ -41,8 +45,16 @@ Bvh::Bvh() : structure_(std::make_shared<Structure>()) {}
 Bvh::Bvh(std::shared_ptr<const Structure> structure) : structure_(std::move(structure)) {}
 
 std::optional<Hit> Bvh::intersect(const Ray& ray) const {
-  if (structure_->wide.empty()) return std::nullopt;
-  return named(*structure_, structure_->kernels->closest(structure_->wide, ray));
+  std::optional<Hit> hit;
+  const Structure& structure = *structure_;
+  if (structure.wide.empty()) return hit;
+  structure.kernels->closest(structure.wide, ray, hit.emplace());
+  if (*hit) {
+    name_triangle(structure, *hit);
+  } else {
+    hit.reset();
+  }
+  return hit;
 }
 
 bool Bvh::occluded(const Ray& ray) const {

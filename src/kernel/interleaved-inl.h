@@ -136,7 +136,7 @@ class Interleaved {
     std::size_t depth = before;
     const std::uint32_t older = lane.stack.link[before - 1];
     std::uint32_t nearest;
-    push_children<any_hit, false>(node, spans, lane.ray.octant, lane.stack, depth, nearest);
+    push_children<any_hit>(node, spans, lane.ray.octant, lane.stack, depth, nearest);
     lane.depth = depth - 1;
     put_down(number, depth > before ? nearest : older, lists);
   }

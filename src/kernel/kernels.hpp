@@ -20,7 +20,7 @@ inline constexpr std::size_t rays_a_part = 2048;
 struct Kernels {
   const char* target;  ///< Highway's name of the instruction set
 
-  Hit (*closest)(const WideBvh& bvh, const Ray& ray);
+  void (*closest)(const WideBvh& bvh, const Ray& ray, Hit& hit);
   bool (*any)(const WideBvh& bvh, const Ray& ray);
   Hit (*closest_counted)(const WideBvh& bvh, const Ray& ray, TraversalCounters& counters);
   bool (*any_counted)(const WideBvh& bvh, const Ray& ray, TraversalCounters& counters);

@@ -53,13 +53,12 @@ HWY_INLINE Spans meet_boxes(const Constants& ray, const Eight& t_best, const Wid
           minimum(minimum(last_x, last_y), minimum(last_z, t_best))};
 }
 
-// Pushes the children that are met, the nearest last (any_hit: the last slot last, and without t). `depth`
-// grows by their number, which may be 0.
-template <bool any_hit, bool stop_if_none>
-HWY_INLINE bool push_children(const WideNode& node, const Spans& spans, std::uint32_t octant, Stack& stack,
+// Pushes the children that are met, the nearest last (any_hit: the last slot last, and without t), and says
+// which that is. `depth` grows by their number, which may be 0: then `nearest` means nothing.
+template <bool any_hit>
+HWY_INLINE void push_children(const WideNode& node, const Spans& spans, std::uint32_t octant, Stack& stack,
                               std::size_t& depth, std::uint32_t& nearest) {
   const std::uint32_t met = less_or_equal(spans.first, spans.last);
-  if (stop_if_none && met == 0) return false;
 #if HWY_TARGET <= HWY_AVX2
   const FloatTag floats;
   const hn::RebindToUnsigned<FloatTag> integers;
@@ -95,7 +94,6 @@ HWY_INLINE bool push_children(const WideNode& node, const Spans& spans, std::uin
   }
   nearest = stack.link[depth - 1];
 #endif
-  return true;
 }
 
 #if HWY_TARGET <= HWY_AVX2

@@ -31,14 +31,11 @@ namespace {
 // next try.
 [[maybe_unused]] constexpr std::uint32_t most_packets_let_pass = 32;
 
-// What `trace` returns for a ray that must be prepared first.
-constexpr Hit refused{.t = std::numeric_limits<float>::quiet_NaN()};
-
+// A ray that `set_up` took, from the root on.
 template <bool any_hit, bool counting>
-HWY_ATTR Hit trace(const WideBvh& bvh, const Ray& caller_ray, TraversalCounters* counters) {
+HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& ray,
+                     TraversalCounters* counters) {
   Hit best;
-  WideRay ray;
-  if (HWY_UNLIKELY(!set_up(caller_ray, bvh, ray))) return refused;
   if (!(caller_ray.t_min <= caller_ray.t_max)) return best;
   best.t = std::min(caller_ray.t_max, std::numeric_limits<float>::max());
   const NodeConstants node_constants(ray);
@@ -53,9 +50,19 @@ HWY_ATTR Hit trace(const WideBvh& bvh, const Ray& caller_ray, TraversalCounters*
       if constexpr (counting) ++counters->steps;
       const WideNode& node = bvh.nodes[link.node()];
       const Spans spans = meet_boxes(node_constants, t_best, node);
+      const std::uint32_t met = less_or_equal(spans.first, spans.last);
+      if (met == 0) {
+        at_leaf = false;
+        break;
+      }
+      // Half of the steps meet one child alone. With a branch of its own it is known some ten cycles sooner,
+      // which outweighs what the branch costs where it is mispredicted.
+      if ((met & (met - 1)) == 0) {
+        link = node.children[std::countr_zero(met)];
+        continue;
+      }
       std::uint32_t nearest;
-      at_leaf = push_children<any_hit, true>(node, spans, ray.octant, stack, depth, nearest);
-      if (!at_leaf) break;
+      push_children<any_hit>(node, spans, ray.octant, stack, depth, nearest);
       --depth;
       link = ChildLink(nearest);
     }
@@ -78,28 +85,46 @@ HWY_ATTR Hit trace(const WideBvh& bvh, const Ray& caller_ray, TraversalCounters*
   }
 }
 
+// In one piece: whoever reads the hit next reads it in larger pieces than fields, and waits if it was written
+// field by field.
+HWY_INLINE void write(const Hit& from, Hit& to) {
+#if HWY_TARGET == HWY_SCALAR
+  to = from;
+#else
+  const FourTag tag;
+  const hn::RebindToUnsigned<FourTag> integers;
+  const Four tu = hn::InterleaveLower(hn::Set(tag, from.t), hn::Set(tag, from.u));
+  const Four vp =
+      hn::InterleaveLower(hn::Set(tag, from.v), hn::BitCast(tag, hn::Set(integers, from.primitive)));
+  hn::StoreU(hn::ConcatLowerLower(tag, vp, tu), tag, &to.t);
+  to.mesh = invalid_id;
+#endif
+}
+
 template <bool any_hit, bool counting>
-HWY_ATTR Hit trace_prepared(const WideBvh& bvh, const Ray& ray, TraversalCounters* counters) {
+HWY_NOINLINE HWY_ATTR Hit trace_prepared(const WideBvh& bvh, const Ray& ray, TraversalCounters* counters) {
   const PreparedRay prepared(ray);
   if (!prepared.valid()) return Hit{};
-  Hit hit = trace<any_hit, counting>(bvh,
-                                     {.origin = prepared.origin,
-                                      .direction = prepared.direction,
-                                      .t_min = prepared.t_min,
-                                      .t_max = prepared.t_max},
-                                     counters);
+  const Ray tame{.origin = prepared.origin,
+                 .direction = prepared.direction,
+                 .t_min = prepared.t_min,
+                 .t_max = prepared.t_max};
+  WideRay wide;
+  if (!set_up(tame, bvh, wide)) return Hit{};
+  Hit hit = trace<any_hit, counting>(bvh, tame, wide, counters);
   hit.t = prepared.unscaled(hit.t);
   return hit;
 }
 
 template <bool any_hit, bool counting>
-HWY_ATTR Hit trace_any_ray(const WideBvh& bvh, const Ray& ray, TraversalCounters* counters) {
-  const Hit hit = trace<any_hit, counting>(bvh, ray, counters);
-  return HWY_LIKELY(hit.t == hit.t) ? hit : trace_prepared<any_hit, counting>(bvh, ray, counters);
+HWY_INLINE Hit trace_any_ray(const WideBvh& bvh, const Ray& ray, TraversalCounters* counters) {
+  WideRay wide;
+  if (HWY_UNLIKELY(!set_up(ray, bvh, wide))) return trace_prepared<any_hit, counting>(bvh, ray, counters);
+  return trace<any_hit, counting>(bvh, ray, wide, counters);
 }
 
-HWY_ATTR Hit closest(const WideBvh& bvh, const Ray& ray) {
-  return trace_any_ray<false, false>(bvh, ray, nullptr);
+HWY_ATTR void closest(const WideBvh& bvh, const Ray& ray, Hit& hit) {
+  write(trace_any_ray<false, false>(bvh, ray, nullptr), hit);
 }
 HWY_ATTR bool any(const WideBvh& bvh, const Ray& ray) {
   return static_cast<bool>(trace_any_ray<true, false>(bvh, ray, nullptr));
@@ -159,7 +184,7 @@ HWY_ATTR void any_many(const WideBvh& bvh, const Ray* rays, std::size_t count, s
 }
 #else
 HWY_ATTR void closest_many(const WideBvh& bvh, const Ray* rays, std::size_t count, Hit* hits) {
-  for (std::size_t i = 0; i < count; ++i) hits[i] = closest(bvh, rays[i]);
+  for (std::size_t i = 0; i < count; ++i) closest(bvh, rays[i], hits[i]);
 }
 HWY_ATTR void any_many(const WideBvh& bvh, const Ray* rays, std::size_t count, std::uint8_t* occluded) {
   for (std::size_t i = 0; i < count; ++i) occluded[i] = any(bvh, rays[i]);
@@ -179,8 +204,8 @@ HWY_ATTR std::uint64_t repeat_node_steps(const WideBvh& bvh, const Ray& caller_r
     std::size_t depth = 1;
     std::uint32_t nearest = 0;
     __asm__ volatile("" ::: "memory");  // the node may have changed: read it again
-    push_children<false, false>(bvh.nodes[0], meet_boxes(constants, t_best, bvh.nodes[0]), ray.octant, stack,
-                                depth, nearest);
+    push_children<false>(bvh.nodes[0], meet_boxes(constants, t_best, bvh.nodes[0]), ray.octant, stack, depth,
+                         nearest);
     sum += nearest;
   }
   return sum;
