@@ -188,6 +188,7 @@ BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& option
       tree = Driver(context, options, input.count)
                  .build({{0, input.count, limit}, 0, input.box, input.doubled_centroids},
                         room * sizeof(Reference));
+      tree.least_divided = context.geometry == nullptr ? ~std::uint32_t{0} : context.spatial_minimum;
     }
     tree.degenerate_triangles = input.degenerate_triangles;
     return tree;

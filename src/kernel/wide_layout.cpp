@@ -13,43 +13,47 @@
 namespace kerf {
 namespace {
 
-// The different triangles below a binary node, which has at most eight references.
+// Writes the triangles below a binary node and returns what is behind the last.
+std::uint32_t* gather(const BinaryTree& tree, std::uint32_t node, std::uint32_t* to) {
+  const BinaryNode& binary = tree.nodes[node];
+  if (!binary.is_leaf()) return gather(tree, binary.right(), gather(tree, binary.left(), to));
+  for (std::uint32_t i = 0; i < binary.count; ++i) to[i] = tree.references[binary.first + i];
+  return to + binary.count;
+}
+
+// The different triangles below a binary node that has at most eight references.
 struct LeafTriangles {
   std::array<std::uint32_t, wide_leaf_triangles> ids;
   std::uint32_t count = 0;
 };
 
-void gather(const BinaryTree& tree, std::uint32_t node, LeafTriangles& triangles) {
-  const BinaryNode& binary = tree.nodes[node];
-  if (!binary.is_leaf()) {
-    gather(tree, binary.left(), triangles);
-    gather(tree, binary.right(), triangles);
-    return;
+LeafTriangles different_triangles(const BinaryTree& tree, std::uint32_t node) {
+  LeafTriangles all, different;
+  all.count = static_cast<std::uint32_t>(gather(tree, node, all.ids.data()) - all.ids.data());
+  for (std::uint32_t i = 0; i < all.count; ++i) {
+    const auto end = different.ids.begin() + different.count;
+    if (std::find(different.ids.begin(), end, all.ids[i]) == end)
+      different.ids[different.count++] = all.ids[i];
   }
-  for (std::uint32_t i = binary.first; i < binary.first + binary.count; ++i) {
-    const auto end = triangles.ids.begin() + triangles.count;
-    if (std::find(triangles.ids.begin(), end, tree.references[i]) == end) {
-      triangles.ids[triangles.count++] = tree.references[i];
-    }
-  }
+  return different;
 }
 
 // Any-hit traversal takes the last slot first: there goes what is most likely to be hit, the largest (Nah &
 // Manocha 2014, "SATO: Surface Area Traversal Order for Shadow Ray Tracing").
 Collapse::Children in_slots(const BinaryTree& tree, const Collapse::Children& children) {
   std::array<float, wide_node_children> areas;
-  Collapse::Children sorted;
-  for (; sorted.count < children.count; ++sorted.count) {
-    const std::uint32_t node = children.node[sorted.count];
-    const float area = half_area(tree.nodes[node].bounds);
-    std::uint32_t slot = sorted.count;
-    for (; slot > 0 && area < areas[slot - 1]; --slot) {
-      areas[slot] = areas[slot - 1];
-      sorted.node[slot] = sorted.node[slot - 1];
+  std::array<std::uint32_t, wide_node_children> slots{};  // as many as come before
+  for (std::uint32_t i = 0; i < children.count; ++i) {
+    areas[i] = half_area(tree.nodes[children.node[i]].bounds);
+    for (std::uint32_t k = 0; k < i; ++k) {
+      const std::uint32_t first = areas[i] < areas[k] ? 1 : 0;
+      slots[k] += first;
+      slots[i] += 1 - first;
     }
-    areas[slot] = area;
-    sorted.node[slot] = node;
   }
+  Collapse::Children sorted;
+  sorted.count = children.count;
+  for (std::uint32_t i = 0; i < children.count; ++i) sorted.node[slots[i]] = children.node[i];
   return sorted;
 }
 
@@ -104,17 +108,27 @@ std::uint32_t* ids_of(std::uint32_t* leaves, ChildLink leaf) {
   return leaves + words_per_triangle * leaf.first() + (words_per_triangle - 1) * leaf.count();
 }
 
-// The vertices of a leaf whose numbers are written.
-void write_vertices(const Geometry& geometry, ChildLink leaf, std::uint32_t* leaves) {
-  const std::uint32_t* ids = ids_of(leaves, leaf);
-  for (std::uint32_t i = 0; i < leaf.count(); ++i) {
-    const Triangle triangle = geometry.triangle(ids[i]);
-    std::uint32_t* word = leaves + words_per_triangle * leaf.first() + i;
-    for (const Vec3f& vertex : {triangle.v0, triangle.v1, triangle.v2}) {
-      for (int axis = 0; axis < 3; ++axis, word += leaf.count())
-        *word = std::bit_cast<std::uint32_t>(vertex[axis]);
+// The vertices of a leaf of `count` triangles whose numbers are written.
+template <std::uint32_t count>
+void write_vertices(const Geometry& geometry, std::uint32_t* words) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto [mesh, primitive] = geometry.locate(words[(words_per_triangle - 1) * count + i]);
+    const TriangleMesh& m = geometry.meshes()[mesh];
+    const auto corners = m.triangles[primitive];
+    for (std::uint32_t corner = 0; corner < 3; ++corner) {
+      const auto vertex = m.vertices[corners.values[corner]];
+      for (std::uint32_t axis = 0; axis < 3; ++axis)
+        words[(3 * corner + axis) * count + i] = std::bit_cast<std::uint32_t>(vertex.values[axis]);
     }
   }
+}
+
+void write_vertices(const Geometry& geometry, ChildLink leaf, std::uint32_t* leaves) {
+  static_assert(wide_leaf_triangles == 8);
+  constexpr void (*of_count[])(const Geometry&, std::uint32_t*) = {
+      write_vertices<1>, write_vertices<2>, write_vertices<3>, write_vertices<4>,
+      write_vertices<5>, write_vertices<6>, write_vertices<7>, write_vertices<8>};
+  of_count[leaf.count() - 1](geometry, leaves + words_per_triangle * leaf.first());
 }
 
 // How many nodes and triangles there are, or the numbers of the first.
@@ -192,6 +206,21 @@ class Layout {
     }
   }
 
+  bool may_repeat() const { return tree_.least_divided <= wide_leaf_triangles; }
+
+  std::uint32_t count_triangles(std::uint32_t leaf) const {
+    return may_repeat() ? different_triangles(tree_, leaf).count : collapse_.few_references(leaf);
+  }
+
+  void write_triangles(std::uint32_t leaf, std::uint32_t* to) const {
+    if (may_repeat()) {
+      const LeafTriangles triangles = different_triangles(tree_, leaf);
+      std::copy_n(triangles.ids.begin(), triangles.count, to);
+    } else {
+      gather(tree_, leaf, to);
+    }
+  }
+
   void measure(Section& section) const { measure(section.binary, section.depth, section); }
 
   void measure(std::uint32_t binary, std::uint32_t depth, Section& section) const {
@@ -200,9 +229,7 @@ class Layout {
     const Collapse::Children children = collapse_.children(binary);
     for (std::uint32_t i = 0; i < children.count; ++i) {
       if (collapse_.is_leaf(children.node[i])) {
-        LeafTriangles leaf;
-        gather(tree_, children.node[i], leaf);
-        section.size.triangles += leaf.count;
+        section.size.triangles += count_triangles(children.node[i]);
       } else if (section.is_subtree) {
         measure(children.node[i], depth + 1, section);
       }
@@ -230,11 +257,10 @@ class Layout {
         node.children[slot] = ChildLink::node(0);  // numbered below
         continue;
       }
-      LeafTriangles leaf;
-      gather(tree_, children.node[slot], leaf);
-      node.children[slot] = ChildLink::leaf(static_cast<std::uint32_t>(next.triangles), leaf.count);
-      std::copy_n(leaf.ids.begin(), leaf.count, ids_of(leaves_.data(), node.children[slot]));
-      next.triangles += leaf.count;
+      const std::uint32_t count = count_triangles(children.node[slot]);
+      node.children[slot] = ChildLink::leaf(static_cast<std::uint32_t>(next.triangles), count);
+      write_triangles(children.node[slot], ids_of(leaves_.data(), node.children[slot]));
+      next.triangles += count;
     }
     if (!whole_subtree) return;
     for (std::uint32_t slot = 0; slot < children.count; ++slot) {

@@ -39,12 +39,13 @@ void distribute(const float* left, const float* right, Distribution& to) {
   }
 }
 
-// The same where the left subtree is a leaf, which costs no less with more slots: it takes one.
-void distribute_to_right(float left, const float* right, Distribution& to) {
+// The same where one subtree is a leaf, which costs no less with more slots: it takes one, the other the
+// rest.
+void distribute_beside_leaf(float leaf, const float* other, bool leaf_is_left, Distribution& to) {
   to.cost[0] = infinity;
   for (std::uint32_t i = 2; i <= slots; ++i) {
-    to.cost[i - 1] = left + right[i - 2];
-    to.left_share[i - 1] = 1;
+    to.cost[i - 1] = leaf + other[i - 2];
+    to.left_share[i - 1] = leaf_is_left ? 1 : static_cast<std::int32_t>(i) - 1;
   }
 }
 
@@ -62,6 +63,11 @@ Collapse::Collapse(const BinaryTree& tree, const CollapseCosts& costs)
   if (tree.empty()) return;
   Costs root;
   solve(0, static_cast<std::uint32_t>(tree.nodes.size()), root);
+}
+
+std::uint32_t Collapse::size_bits(std::uint32_t references) {
+  return static_cast<std::uint32_t>(std::bit_width(references)) << size_shift |
+         std::min(references, max_leaf_references + 1) << few_shift;
 }
 
 // Builders number what is below a left child first, then what is below the right one, up to `end`. That only
@@ -88,35 +94,45 @@ void Collapse::solve_leaf(std::uint32_t node, Costs& costs) {
   std::fill_n(costs.of, slots, cost);
   costs.references = binary.count;
   costs.is_binary_leaf = true;
-  decisions_[node] = leaf_bit | static_cast<std::uint32_t>(std::bit_width(binary.count)) << size_shift;
+  decisions_[node] = leaf_bit | size_bits(binary.count);
 }
 
 // Written so that areas beyond the range of a float, all of whose sums are infinite, still give a valid tree.
 void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right, Costs& costs) {
   Distribution best;
   if (left.is_binary_leaf) {
-    distribute_to_right(left.of[0], right.of, best);
+    distribute_beside_leaf(left.of[0], right.of, true, best);
+  } else if (right.is_binary_leaf) {
+    distribute_beside_leaf(right.of[0], left.of, false, best);
   } else {
     distribute(left.of, right.of, best);
   }
   const float area = half_area(tree_->nodes[node].bounds);
   costs.references = left.references + right.references;
   costs.is_binary_leaf = false;
-  std::uint32_t decision = static_cast<std::uint32_t>(std::bit_width(costs.references)) << size_shift;
-  costs.of[0] = area + best.cost[slots - 1];
+  std::uint32_t decision = size_bits(costs.references);
+  float least = area + best.cost[slots - 1];
   if (costs.references <= max_leaf_references) {
     const float leaf = area * (costs_.leaf + costs_.triangle * static_cast<float>(costs.references));
-    if (leaf <= costs.of[0]) {
-      costs.of[0] = leaf;
+    if (leaf <= least) {
+      least = leaf;
       decision |= leaf_bit;
     }
   }
+  costs.of[0] = least;
+  if (left.is_binary_leaf && right.is_binary_leaf) {  // more than two slots are of no use
+    const bool divides = best.cost[1] < least;
+    std::fill_n(costs.of + 1, slots - 1, divides ? best.cost[1] : least);
+    decisions_[node] = decision | (divides ? 1u : 0u) | 1u << (3 * (slots - 2));
+    return;
+  }
   for (std::uint32_t i = 2; i < slots; ++i) {
-    const bool divides = best.cost[i - 1] < costs.of[i - 2];
-    costs.of[i - 1] = divides ? best.cost[i - 1] : costs.of[i - 2];
+    const bool divides = best.cost[i - 1] < least;
+    least = divides ? best.cost[i - 1] : least;
+    costs.of[i - 1] = least;
     decision |= (divides ? static_cast<std::uint32_t>(best.left_share[i - 1]) : 0u) << (3 * (i - 2));
   }
-  costs.of[slots - 1] = costs.of[slots - 2];
+  costs.of[slots - 1] = least;
   decision |= static_cast<std::uint32_t>(best.left_share[slots - 1]) << (3 * (slots - 2));
   decisions_[node] = decision;
 }

@@ -42,9 +42,12 @@ class Collapse {
   /// Whether the binary node, a child of a wide one, becomes a leaf.
   bool is_leaf(std::uint32_t node) const { return (decisions_[node] & leaf_bit) != 0; }
 
+  /// How many references stand below the node, or more than eight if there are more.
+  std::uint32_t few_references(std::uint32_t node) const { return decisions_[node] >> few_shift; }
+
   /// Whether at least `2^(bits - 1)` references stand below the node.
   bool is_large(std::uint32_t node, std::uint32_t bits) const {
-    return decisions_[node] >> size_shift >= bits;
+    return ((decisions_[node] >> size_shift) & 63u) >= bits;
   }
 
   /// What is held for a tree of that many nodes.
@@ -53,14 +56,15 @@ class Collapse {
  private:
   // One word a node:
   //
-  //     bit 27..22             21           20..18  ...  5..3    2..0
-  //     bits of its number     C(n, 1)      k of            k of    k of
-  //     of references          is a leaf    D(n, 8)         D(n, 3) D(n, 2)
+  //     bit 31..28          27..22           21           20..18  ...  5..3    2..0
+  //     references,         bits of their    C(n, 1)      k of            k of    k of
+  //     at most nine        number           is a leaf    D(n, 8)         D(n, 3) D(n, 2)
   //
   // A k of 0 stands for C(n, i) = C(n, i - 1).
-  static constexpr std::uint32_t leaf_bit = 1u << 21, size_shift = 22;
+  static constexpr std::uint32_t leaf_bit = 1u << 21, size_shift = 22, few_shift = 28;
 
   struct Costs;
+  static std::uint32_t size_bits(std::uint32_t references);
   void solve(std::uint32_t node, std::uint32_t end, Costs& costs);
   void solve_leaf(std::uint32_t node, Costs& costs);
   void combine(std::uint32_t node, const Costs& left, const Costs& right, Costs& costs);

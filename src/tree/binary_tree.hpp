@@ -38,7 +38,11 @@ struct BinaryTree {
       nodes;                              ///< resizing it leaves new nodes as they are
   std::vector<std::uint32_t> references;  ///< the triangles of the leaves, by their number in the `Geometry`
   std::size_t degenerate_triangles = 0;   ///< left out by the builder
-  std::size_t build_peak_bytes = 0;       ///< the most that the builder held at once, this tree included
+
+  /// Triangles were divided only where a node had at least this many references: below a node of fewer, none
+  /// stands twice. 0 where nothing is known.
+  std::uint32_t least_divided = 0;
+  std::size_t build_peak_bytes = 0;  ///< the most that the builder held at once, this tree included
 
   bool empty() const { return nodes.empty(); }
 };
