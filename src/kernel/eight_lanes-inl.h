@@ -53,6 +53,7 @@ KERF_EIGHT_BINARY(operator+, hn::Add)
 KERF_EIGHT_BINARY(operator-, hn::Sub)
 KERF_EIGHT_BINARY(operator*, hn::Mul)
 KERF_EIGHT_BINARY(minimum, hn::Min)
+KERF_EIGHT_BINARY(operator/, hn::Div)
 KERF_EIGHT_BINARY(maximum, hn::Max)
 #undef KERF_EIGHT_BINARY
 
@@ -60,6 +61,12 @@ KERF_EIGHT_BINARY(maximum, hn::Max)
 HWY_INLINE Eight multiply_add(const Eight& a, const Eight& b, const Eight& c) {
   Eight r;
   for (std::size_t i = 0; i < vector_count; ++i) r.part[i] = hn::MulAdd(a.part[i], b.part[i], c.part[i]);
+  return r;
+}
+
+HWY_INLINE Eight absolute(const Eight& a) {
+  Eight r;
+  for (std::size_t i = 0; i < vector_count; ++i) r.part[i] = hn::Abs(a.part[i]);
   return r;
 }
 
@@ -95,6 +102,49 @@ HWY_INLINE DoubleVector promote(const Lanes& a, std::size_t i) {
                          i % 2 == 0 ? hn::LowerHalf(part) : UpperHalf(hn::Half<FloatTag>(), part));
   }
 }
+
+// `difference_of_products` of math/ray_triangle.hpp, to the last bit.
+#if HWY_TARGET <= HWY_AVX2 || HWY_ARCH_ARM
+template <class V>
+HWY_INLINE V difference_of_products(V a, V b, V c, V d) {
+  const V cd = hn::Mul(c, d);
+  return hn::Add(hn::MulSub(a, b, cd), hn::NegMulAdd(c, d, cd));
+}
+HWY_INLINE Eight difference_of_products(const Eight& a, const Eight& b, const Eight& c, const Eight& d) {
+  Eight r;
+  for (std::size_t i = 0; i < vector_count; ++i)
+    r.part[i] = difference_of_products(a.part[i], b.part[i], c.part[i], d.part[i]);
+  return r;
+}
+#else
+// a * b + c rounded once, where the instruction set has no such thing. The product is exact in double
+// precision; the sum is rounded to odd there, so that rounding it again does no harm (Boldo & Melquiond 2008,
+// "Emulation of a FMA and Correctly Rounded Sums: Proved Algorithms Using Rounding to Odd").
+HWY_INLINE Eight fused_multiply_add(const Eight& a, const Eight& b, const Eight& c) {
+  const DoubleTag tag;
+  const hn::RebindToSigned<DoubleTag> integers;
+  alignas(64) float lanes[8];
+  for (std::size_t i = 0; i < double_count; ++i) {
+    const DoubleVector product = hn::Mul(promote(a, i), promote(b, i)), addend = promote(c, i);
+    const DoubleVector sum = hn::Add(product, addend), back = hn::Sub(sum, product);
+    const DoubleVector rest = hn::Add(hn::Sub(product, hn::Sub(sum, back)), hn::Sub(addend, back));
+    const auto one = hn::Set(integers, 1);
+    const auto bits = hn::BitCast(integers, sum);
+    const auto towards_rest =
+        hn::Or(hn::ShiftRight<63>(hn::BitCast(integers, hn::Xor(sum, rest))), one);  // 1 or -1
+    const auto even = hn::Eq(hn::And(bits, one), hn::Zero(integers));
+    const auto inexact = hn::RebindMask(integers, hn::Ne(rest, hn::Zero(tag)));
+    const auto odd = hn::Add(bits, hn::IfThenElseZero(hn::And(even, inexact), towards_rest));
+    const hn::Rebind<float, DoubleTag> narrow;
+    hn::StoreU(hn::DemoteTo(narrow, hn::BitCast(tag, odd)), narrow, lanes + i * double_lanes);
+  }
+  return load(lanes);
+}
+HWY_INLINE Eight difference_of_products(const Eight& a, const Eight& b, const Eight& c, const Eight& d) {
+  const Eight cd = c * d, none = broadcast(0.0f);
+  return fused_multiply_add(a, b, none - cd) + fused_multiply_add(none - c, d, cd);
+}
+#endif
 
 }  // namespace HWY_NAMESPACE
 }  // namespace kerf

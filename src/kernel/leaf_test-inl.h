@@ -11,6 +11,7 @@
 
 #include "kernel/eight_lanes-inl.h"
 #include "kernel/wide_ray-inl.h"
+#include "math/ray_triangle.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -27,65 +28,79 @@ HWY_INLINE Sheared shear(const LeafConstants& ray, const float* vertex_rows, std
           load(vertex_rows + ray.axis[1] * count) - ray.origin[1] - ray.sy * z, z};
 }
 
-// Covers the rounding of distances in single precision, 2^-23.
-constexpr float above = 1.0f + 0x1p-20f;
+// Whether the hit at t comes before `best`: of equal ones the triangle with the lowest number does.
+HWY_INLINE bool is_before(float t, std::uint32_t primitive, const Hit& best) {
+  return t < best.t || (t == best.t && primitive < best.primitive);
+}
+
+// The triangles in `lanes` by `intersect_exactly`. Out of line, and by value, so that nothing has to be in
+// memory for its sake.
+HWY_NOINLINE HWY_ATTR Hit intersect_exactly(const Sheared* corners, std::uint32_t lanes, float dz,
+                                            float t_min, const std::uint32_t* ids, Hit best) {
+  alignas(64) float lane[3][3][8];
+  for (std::size_t i = 0; i < 3; ++i) {
+    store(corners[i].x, lane[i][0]);
+    store(corners[i].y, lane[i][1]);
+    store(corners[i].z, lane[i][2]);
+  }
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(lanes));
+    const auto corner = [&](std::size_t k) {
+      return ShearedCorner(lane[k][0][i], lane[k][1][i], lane[k][2][i]);
+    };
+    Hit hit;
+    if (!kerf::intersect_exactly(corner(0), corner(1), corner(2), dz, t_min, best.t, hit)) continue;
+    hit.primitive = ids[i];
+    if (is_before(hit.t, hit.primitive, best)) best = hit;
+  }
+  return best;
+}
 
 // `intersect_triangle` on all triangles of a leaf at once, operation by operation. Returns whether `best`
 // changed.
 HWY_INLINE bool intersect_leaf(const LeafConstants& ray, const std::uint32_t* words, std::uint32_t count,
                                Hit& best) {
+  using Limits = SinglePrecision;
   const float* rows = reinterpret_cast<const float*>(words);
+  const std::uint32_t* ids = words + 9 * count;
   const Sheared a = shear(ray, rows, count), b = shear(ray, rows + 3 * count, count),
                 c = shear(ray, rows + 6 * count, count);
-  const Eight u = c.x * b.y - c.y * b.x, v = a.x * c.y - a.y * c.x, w = b.x * a.y - b.y * a.x;
-  const Eight zero = broadcast(0.0f);
+  const Eight u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
+              w = difference_of_products(b.x, a.y, b.y, a.x);
+  const Eight least = minimum(minimum(u, v), w), greatest = maximum(maximum(u, v), w);
   std::uint32_t candidates = (1u << count) - 1;
-  candidates &= ~(less(minimum(minimum(u, v), w), zero) & less(zero, maximum(maximum(u, v), w)));
-  // t is a mean of the vertices' distances: what lies behind the best hit as a whole, or before t_min, is
-  // out.
-  const Eight at_a = a.z * ray.inverse_dz_float, at_b = b.z * ray.inverse_dz_float,
-              at_c = c.z * ray.inverse_dz_float;
-  candidates &= ~less(broadcast(best.t * above), minimum(minimum(at_a, at_b), at_c));
-  candidates &= ~less(maximum(maximum(at_a, at_b), at_c), ray.t_min_below);
+  candidates &=
+      ~(less(least, broadcast(-Limits::least_sign)) & less(broadcast(Limits::least_sign), greatest));
   if (candidates == 0) return false;
 
-  alignas(64) float t[8];
-  alignas(64) double vs[8], ws[8], inverses[8];
-  std::uint32_t hits = 0;
-  const DoubleTag d;
-  for (std::size_t i = 0; i < double_count; ++i) {
-    const DoubleVector ax = promote(a.x, i), ay = promote(a.y, i), bx = promote(b.x, i), by = promote(b.y, i),
-                       cx = promote(c.x, i), cy = promote(c.y, i);
-    const DoubleVector u2 = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx));
-    const DoubleVector v2 = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx));
-    const DoubleVector w2 = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
-    const DoubleVector none = hn::Zero(d);
-    const auto differ =
-        hn::And(hn::Lt(hn::Min(hn::Min(u2, v2), w2), none), hn::Lt(none, hn::Max(hn::Max(u2, v2), w2)));
-    const DoubleVector determinant = hn::Add(hn::Add(u2, v2), w2);
-    const DoubleVector z = hn::Add(hn::Add(hn::Mul(u2, promote(a.z, i)), hn::Mul(v2, promote(b.z, i))),
-                                   hn::Mul(w2, promote(c.z, i)));
-    const DoubleVector inverse = hn::Div(hn::Set(d, 1.0), determinant);
-    const DoubleVector t2 = hn::Mul(hn::Mul(z, inverse), hn::Set(d, ray.inverse_dz));
-    const hn::Rebind<float, DoubleTag> narrow;
-    hn::StoreU(hn::DemoteTo(narrow, t2), narrow, t + i * double_lanes);
-    hn::StoreU(v2, d, vs + i * double_lanes);
-    hn::StoreU(w2, d, ws + i * double_lanes);
-    hn::StoreU(inverse, d, inverses + i * double_lanes);
-    alignas(8) std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, differ, bytes);
-    hits |= static_cast<std::uint32_t>(bytes[0]) << (i * double_lanes);
-  }
-  hits = candidates & ~hits;
+  const Eight determinant = u + v + w;
+  const Eight inverse = broadcast(1.0f) / determinant;
+  const Eight t = (u * a.z + v * b.z + w * c.z) * inverse * ray.inverse_dz;
+  const std::uint32_t trusted =
+      (less(broadcast(Limits::least_value), least) | less(greatest, broadcast(-Limits::least_value))) &
+      less(absolute(determinant), broadcast(Limits::greatest)) &
+      less(absolute(t), broadcast(Limits::greatest));
   bool changed = false;
+  if (HWY_UNLIKELY((candidates & ~trusted) != 0)) {
+    const Sheared corners[] = {a, b, c};
+    const Hit hit = intersect_exactly(corners, candidates & ~trusted, ray.dz, ray.t_min, ids, best);
+    changed = hit.t != best.t || hit.primitive != best.primitive;
+    best = hit;
+  }
+  std::uint32_t hits =
+      candidates & trusted & less_or_equal(broadcast(ray.t_min), t) & less_or_equal(t, broadcast(best.t));
+  if (hits == 0) return changed;
+  alignas(64) float ts[8], us[8], vs[8];
+  store(t, ts);
+  store(v * inverse, us);
+  store(w * inverse, vs);
   for (; hits != 0; hits &= hits - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(hits));
-    if (!(t[i] >= ray.t_min && t[i] <= best.t)) continue;
-    const std::uint32_t primitive = words[9 * count + i];
-    if (t[i] == best.t && primitive >= best.primitive) continue;
-    best.t = t[i];
-    best.u = static_cast<float>(vs[i] * inverses[i]);
-    best.v = static_cast<float>(ws[i] * inverses[i]);
+    const std::uint32_t primitive = ids[i];
+    if (!is_before(ts[i], primitive, best)) continue;
+    best.t = ts[i];
+    best.u = us[i];
+    best.v = vs[i];
     best.primitive = primitive;
     changed = true;
   }

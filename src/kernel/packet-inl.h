@@ -16,6 +16,7 @@
 #include "kernel/leaf_test-inl.h"
 #include "kernel/node_step-inl.h"
 #include "kernel/wide_ray-inl.h"
+#include "math/ray_triangle.hpp"
 
 #if HWY_TARGET <= HWY_AVX2
 HWY_BEFORE_NAMESPACE();
@@ -33,9 +34,6 @@ class Packet {
   using Bits = hn::RebindToUnsigned<Tag>;
   using V = hn::Vec<Tag>;
   using M = hn::Mask<Tag>;
-  using Wide = hn::ScalableTag<double>;  // half as many lanes
-  using Narrow = hn::Rebind<float, Wide>;
-  using W = hn::Vec<Wide>;
 
  public:
   static constexpr std::size_t width = hn::MaxLanes(Tag());
@@ -90,7 +88,7 @@ class Packet {
       extent = std::max(extent, upper[a] - lower[a]);
     }
     if (!(spread <= greatest_spread * extent)) return false;
-    const V margin = hn::Mul(hn::Set(tag, 0x1p-24f), hn::Add(hn::Mul(distance, hn::Set(tag, 20.0f)),
+    const V margin = hn::Mul(hn::Set(tag, 0x1p-24f), hn::Add(hn::Mul(distance, hn::Set(tag, 28.0f)),
                                                              hn::Set(tag, 4.0f * bvh_.largest_coordinate)));
     float least_margin, bundle_margin;
     find_range(hn::Add(margin, margin), least_margin,
@@ -117,9 +115,8 @@ class Packet {
     }
     sx_ = hn::Div(direction[axis_[0]], direction[kz]);
     sy_ = hn::Div(direction[axis_[1]], direction[kz]);
-    for (std::size_t half = 0; half < 2; ++half) {
-      inverse_dz_[half] = hn::Div(hn::Set(Wide(), 1.0), promote_half(direction[kz], half));
-    }
+    dz_ = direction[kz];
+    inverse_dz_ = hn::Div(hn::Set(tag, 1.0f), dz_);
     t_min_ = hn::Max(t_min, zero);
     t_best_ = hn::Min(t_max, hn::Set(tag, std::numeric_limits<float>::max()));
     hn::Store(zero, tag, u_);
@@ -210,11 +207,6 @@ class Packet {
     high = hn::GetLane(hn::MaxOfLanes(tag, v));
   }
 
-  static HWY_INLINE W promote_half(V v, std::size_t half) {
-    const hn::Half<Tag> part;
-    return hn::PromoteTo(Wide(), half == 0 ? hn::LowerHalf(part, v) : hn::UpperHalf(part, v));
-  }
-
   // Pushes the children of a node, the nearest last.
   HWY_INLINE void open(std::uint32_t number, M active, std::size_t& depth) {
     const Tag tag;
@@ -270,63 +262,77 @@ class Packet {
       const float* rows = reinterpret_cast<const float*>(words) + i;
       const Corner a = shear_corner(rows, count), b = shear_corner(rows + 3 * count, count),
                    c = shear_corner(rows + 6 * count, count);
-      const V u = hn::Sub(hn::Mul(c.x, b.y), hn::Mul(c.y, b.x)),
-              v = hn::Sub(hn::Mul(a.x, c.y), hn::Mul(a.y, c.x)),
-              w = hn::Sub(hn::Mul(b.x, a.y), hn::Mul(b.y, a.x));
-      const V zero = hn::Zero(tag);
-      const M differ =
-          hn::And(hn::Lt(hn::Min(hn::Min(u, v), w), zero), hn::Lt(zero, hn::Max(hn::Max(u, v), w)));
+      const V u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
+              w = difference_of_products(b.x, a.y, b.y, a.x);
+      const V least = hn::Min(hn::Min(u, v), w), greatest = hn::Max(hn::Max(u, v), w);
+      const M differ = hn::And(hn::Lt(least, hn::Set(tag, -SinglePrecision::least_sign)),
+                               hn::Lt(hn::Set(tag, SinglePrecision::least_sign), greatest));
       const M candidates = hn::AndNot(differ, active);
       if (hn::AllFalse(tag, candidates)) continue;
-      changed |= resolve(a, b, c, candidates, words[9 * count + i]);
+
+      const std::uint32_t primitive = words[9 * count + i];
+      const V determinant = hn::Add(hn::Add(u, v), w);
+      const V inverse = hn::Div(hn::Set(tag, 1.0f), determinant);
+      const V z = hn::Add(hn::Add(hn::Mul(u, a.z), hn::Mul(v, b.z)), hn::Mul(w, c.z));
+      const V t = hn::Mul(hn::Mul(z, inverse), inverse_dz_);
+      const V limit = hn::Set(tag, SinglePrecision::greatest);
+      const M large_enough = hn::Or(hn::Lt(hn::Set(tag, SinglePrecision::least_value), least),
+                                    hn::Lt(greatest, hn::Set(tag, -SinglePrecision::least_value)));
+      const M small_enough = hn::And(hn::Lt(hn::Abs(determinant), limit), hn::Lt(hn::Abs(t), limit));
+      const M trusted = hn::And(candidates, hn::And(large_enough, small_enough));
+      changed |= keep_nearer(t, hn::Mul(v, inverse), hn::Mul(w, inverse), primitive, trusted);
+      const M others = hn::AndNot(trusted, candidates);
+      if (HWY_UNLIKELY(!hn::AllFalse(tag, others))) {
+        const Corner corners[] = {a, b, c};
+        changed |= test_exactly(corners, others, primitive);
+      }
     }
     if (changed) t_last_ = hn::GetLane(hn::MaxOfLanes(tag, t_best_));
   }
 
-  HWY_INLINE bool resolve(const Corner& a, const Corner& b, const Corner& c, M candidates,
-                          std::uint32_t primitive) {
+  HWY_INLINE bool keep_nearer(V t, V u, V v, std::uint32_t primitive, M which) {
     const Tag tag;
-    const Wide wide;
-    const Narrow narrow;
-    alignas(64) float t_lanes[width], u_lanes[width], v_lanes[width];
-    for (std::size_t half = 0; half < 2; ++half) {
-      const W ax = promote_half(a.x, half), ay = promote_half(a.y, half), bx = promote_half(b.x, half),
-              by = promote_half(b.y, half), cx = promote_half(c.x, half), cy = promote_half(c.y, half);
-      const W u = hn::Sub(hn::Mul(cx, by), hn::Mul(cy, bx)), v = hn::Sub(hn::Mul(ax, cy), hn::Mul(ay, cx)),
-              w = hn::Sub(hn::Mul(bx, ay), hn::Mul(by, ax));
-      const W none = hn::Zero(wide);
-      const auto differ =
-          hn::And(hn::Lt(hn::Min(hn::Min(u, v), w), none), hn::Lt(none, hn::Max(hn::Max(u, v), w)));
-      const W determinant = hn::Add(hn::Add(u, v), w);
-      const W z = hn::Add(hn::Add(hn::Mul(u, promote_half(a.z, half)), hn::Mul(v, promote_half(b.z, half))),
-                          hn::Mul(w, promote_half(c.z, half)));
-      const W inverse = hn::Div(hn::Set(wide, 1.0), determinant);
-      const W t = hn::Mul(hn::Mul(z, inverse), inverse_dz_[half]);
-      // A miss becomes a t that no ray reaches.
-      const W never = hn::Set(wide, -1.0);
-      const std::size_t at = half * hn::Lanes(wide);
-      hn::Store(hn::DemoteTo(narrow, hn::IfThenElse(differ, never, t)), narrow, t_lanes + at);
-      hn::Store(hn::DemoteTo(narrow, hn::Mul(v, inverse)), narrow, u_lanes + at);
-      hn::Store(hn::DemoteTo(narrow, hn::Mul(w, inverse)), narrow, v_lanes + at);
-    }
-    const V t = hn::Load(tag, t_lanes);
     const V number = hn::BitCast(tag, hn::Set(Bits(), primitive));
     const M lower = hn::RebindMask(tag, hn::Lt(hn::Set(Bits(), primitive), primitive_));
     M nearer = hn::Or(hn::Lt(t, t_best_), hn::And(hn::Eq(t, t_best_), lower));
-    nearer = hn::And(hn::And(nearer, hn::Ge(t, t_min_)), candidates);
+    nearer = hn::And(hn::And(nearer, hn::Ge(t, t_min_)), which);
     if (hn::AllFalse(tag, nearer)) return false;
     primitive_ = hn::BitCast(Bits(), hn::IfThenElse(nearer, number, hn::BitCast(tag, primitive_)));
-    hn::BlendedStore(hn::Load(tag, u_lanes), nearer, tag, u_);
-    hn::BlendedStore(hn::Load(tag, v_lanes), nearer, tag, v_);
+    hn::BlendedStore(u, nearer, tag, u_);
+    hn::BlendedStore(v, nearer, tag, v_);
     // For any hit, the first is enough: with no t left, the ray takes no further part.
     t_best_ = hn::IfThenElse(nearer, any_hit ? hn::Set(tag, -1.0f) : t, t_best_);
     return true;
   }
 
+  HWY_NOINLINE HWY_ATTR bool test_exactly(const Corner* corners, M which, std::uint32_t primitive) {
+    const Tag tag;
+    alignas(64) float lane[3][3][width], dz[width], t_min[width], t_max[width], t[width], u[width], v[width];
+    for (std::size_t k = 0; k < 3; ++k) {
+      hn::Store(corners[k].x, tag, lane[k][0]);
+      hn::Store(corners[k].y, tag, lane[k][1]);
+      hn::Store(corners[k].z, tag, lane[k][2]);
+    }
+    hn::Store(dz_, tag, dz);
+    hn::Store(t_min_, tag, t_min);
+    hn::Store(t_best_, tag, t_max);
+    for (std::size_t i = 0; i < width; ++i) {
+      const auto corner = [&](std::size_t k) {
+        return ShearedCorner(lane[k][0][i], lane[k][1][i], lane[k][2][i]);
+      };
+      Hit hit{.t = -1.0f};  // a miss becomes a t that no ray reaches
+      kerf::intersect_exactly(corner(0), corner(1), corner(2), dz[i], t_min[i], t_max[i], hit);
+      t[i] = hit.t;
+      u[i] = hit.u;
+      v[i] = hit.v;
+    }
+    return keep_nearer(hn::Load(tag, t), hn::Load(tag, u), hn::Load(tag, v), primitive, which);
+  }
+
   const WideBvh& bvh_;
   V inverse_[3], enter_[3], leave_[3], t_min_, t_best_;
   V shear_origin_[3], sx_, sy_;
-  W inverse_dz_[2];
+  V dz_, inverse_dz_;
   hn::Vec<Bits> primitive_;
   alignas(64) float u_[width], v_[width];
   float inverse_low_[3], inverse_high_[3], origin_low_[3], origin_high_[3];  // of the bundle

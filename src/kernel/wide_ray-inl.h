@@ -65,8 +65,7 @@ struct alignas(64) WideRay {
 
   float origin[3];        // along the axes of the shear
   std::uint32_t axis[3];  // these axes
-  float sx, sy;
-  double inverse_dz;
+  float sx, sy, dz, inverse_dz;
 };
 
 #if HWY_TARGET == HWY_SCALAR
@@ -90,6 +89,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   }
   out.sx = shear.sx;
   out.sy = shear.sy;
+  out.dz = shear.dz;
   out.inverse_dz = shear.inverse_dz;
   return true;
 }
@@ -128,7 +128,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
                                                  hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.upper.x)))));
   // No coordinate of the origin exceeds distance + largest_coordinate: this is the margin of `RayBoxes`, or
   // more.
-  const Four margin = hn::Mul(hn::Set(tag, 0x1p-24f), hn::Add(hn::Mul(distance, hn::Set(tag, 20.0f)),
+  const Four margin = hn::Mul(hn::Set(tag, 0x1p-24f), hn::Add(hn::Mul(distance, hn::Set(tag, 28.0f)),
                                                               hn::Set(tag, 4.0f * bvh.largest_coordinate)));
   const Four positive =
       hn::Div(hn::Set(tag, 1.0f), hn::Max(absolute, hn::Mul(largest, hn::Set(tag, 0x1p-26f))));
@@ -149,7 +149,8 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   }
   out.sx = direction[axes.axis[0]] / direction[kz];
   out.sy = direction[axes.axis[1]] / direction[kz];
-  out.inverse_dz = 1.0 / static_cast<double>(direction[kz]);
+  out.dz = direction[kz];
+  out.inverse_dz = 1.0f / direction[kz];
   return true;
 }
 #endif
@@ -202,15 +203,16 @@ struct StoredNodeConstants {
 
 // What a leaf test reads at every leaf.
 struct LeafConstants {
-  Eight origin[3], sx, sy, inverse_dz_float, t_min_below;
+  Eight origin[3], sx, sy, inverse_dz;
   std::size_t axis[3];
-  float t_min;
-  double inverse_dz;
+  float t_min, dz;
 
   HWY_INLINE explicit LeafConstants(const WideRay& ray)
-      : sx(broadcast(ray.sx)), sy(broadcast(ray.sy)), t_min(ray.t_min), inverse_dz(ray.inverse_dz) {
-    inverse_dz_float = broadcast(static_cast<float>(ray.inverse_dz));
-    t_min_below = broadcast(ray.t_min * (1.0f - 0x1p-20f));
+      : sx(broadcast(ray.sx)),
+        sy(broadcast(ray.sy)),
+        inverse_dz(broadcast(ray.inverse_dz)),
+        t_min(ray.t_min),
+        dz(ray.dz) {
     for (std::size_t i = 0; i < 3; ++i) {
       origin[i] = broadcast(ray.origin[i]);
       axis[i] = ray.axis[i];

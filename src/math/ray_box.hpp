@@ -22,9 +22,9 @@ namespace kerf {
 /// coordinate:
 ///
 ///     the shear of a triangle's vertices      6 D     (a difference, a quotient, a product, a difference)
-///     inverse, the plane's distance, t        3 D
-///     plane times inverse, where not fused    1 D + 1 O
-///     origin times inverse, the constants             2 O
+///     inverse, the plane's distance           2 D
+///     the triangle's t                       13 D     (weights of two products' difference, their mean, two
+///     products) plane times inverse, where not fused    1 D + 1 O origin times inverse, the constants 2 O
 ///     directions lifted to the least          1/4 D
 ///
 /// The triangle's t itself lies in the grown box up to its rounding, so that what is culled by t is culled
@@ -43,7 +43,7 @@ struct RayBoxes {
       coordinate = std::max(coordinate, std::abs(o[axis]));
       largest = std::max(largest, std::abs(d[axis]));
     }
-    const float margin = unit * (16.0f * distance + 4.0f * coordinate);
+    const float margin = unit * (24.0f * distance + 4.0f * coordinate);
     const float least = 0x1p-26f * largest;  // moves the ray by no more than a quarter of a unit of D
     float r[3], e[3], l[3];
     for (int axis = 0; axis < 3; ++axis) {

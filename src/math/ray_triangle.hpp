@@ -17,7 +17,7 @@ namespace kerf {
 struct RayShear {
   int kx, ky, kz;
   float sx, sy;
-  double inverse_dz;
+  float dz, inverse_dz;
 
   explicit RayShear(const Vec3f& direction) {
     const float d[3] = {direction.x, direction.y, direction.z};
@@ -30,9 +30,57 @@ struct RayShear {
     ky = (negative ? next : after_next)[kz];
     sx = d[kx] / d[kz];
     sy = d[ky] / d[kz];
-    inverse_dz = 1.0 / static_cast<double>(d[kz]);
+    dz = d[kz];
+    inverse_dz = 1.0f / dz;
   }
 };
+
+/// A triangle's corner as the ray sees it: relative to the origin, and sheared.
+struct ShearedCorner {
+  float x, y, z;
+
+  ShearedCorner(float x_, float y_, float z_) : x(x_), y(y_), z(z_) {}
+  ShearedCorner(const RayShear& shear, const Vec3f& origin, const Vec3f& vertex) {
+    const Vec3f from_origin = vertex - origin;
+    z = from_origin[shear.kz];
+    x = from_origin[shear.kx] - shear.sx * z;
+    y = from_origin[shear.ky] - shear.sy * z;
+  }
+};
+
+/// a * b - c * d to two units in the last place, however much cancels, and thus with the right sign or zero
+/// (Kahan's algorithm; Jeannerod, Louvet & Muller 2013, "Further Analysis of Kahan's Algorithm for the
+/// Accurate Computation of 2 x 2 Determinants"), where nothing leaves the range of a float.
+inline float difference_of_products(float a, float b, float c, float d) {
+  const float cd = c * d;
+  return std::fma(a, b, -cd) + std::fma(-c, d, cd);
+}
+
+/// Where single precision is trusted: beyond these no edge function is shifted noticeably by what was lost
+/// below the range of a float, and nothing is infinite.
+struct SinglePrecision {
+  static constexpr float least_sign = 0x1p-100f;  // of an edge function, for its sign
+  static constexpr float least_value = 0x1p-60f;  // for its value, too
+  static constexpr float greatest = 0x1p126f;     // of the determinant and of t
+};
+
+/// `intersect_triangle` where single precision does not suffice: products of two floats are exact in double
+/// precision, so that edges and vertices which the ray meets exactly are told.
+inline bool intersect_exactly(const ShearedCorner& a, const ShearedCorner& b, const ShearedCorner& c,
+                              float dz, float t_min, float t_max, Hit& hit) {
+  const double u = static_cast<double>(c.x) * b.y - static_cast<double>(c.y) * b.x;
+  const double v = static_cast<double>(a.x) * c.y - static_cast<double>(a.y) * c.x;
+  const double w = static_cast<double>(b.x) * a.y - static_cast<double>(b.y) * a.x;
+  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
+  const double inverse = 1.0 / (u + v + w);
+  const double z = u * a.z + v * b.z + w * c.z;
+  const auto t = static_cast<float>(z * inverse / dz);
+  if (!(t >= t_min && t <= t_max)) return false;  // so is a triangle seen edge-on, whose determinant is 0
+  hit.t = t;
+  hit.u = static_cast<float>(v * inverse);
+  hit.v = static_cast<float>(w * inverse);
+  return true;
+}
 
 /// Makes `hit` the crossing of the ray with `triangle` if that lies in `[t_min, t_max]`; only t, u and v are
 /// written.
@@ -41,35 +89,27 @@ struct RayShear {
 /// single precision, each in one way for all the triangles that share it: a ray that meets a closed surface
 /// hits a triangle. The weights are near exact, too, so that t is the distance of a point of the triangle
 /// that lies within the shear's rounding of the ray, however thin the triangle: t fits the boxes in which the
-/// traversal looks for the triangle.
-///
-/// First come edge functions in single precision. A difference of two rounded products has the sign of the
-/// exact one, or is zero: rounding is monotonic. (That would not hold if one product were fused into the
-/// difference.) They turn most triangles away. For the others, products of two floats are exact in double
-/// precision.
+/// traversal looks for the triangle (`RayBoxes` has the sum).
 inline bool intersect_triangle(const RayShear& shear, const Vec3f& origin, const Triangle& triangle,
                                float t_min, float t_max, Hit& hit) {
-  const Vec3f a = triangle.v0 - origin, b = triangle.v1 - origin, c = triangle.v2 - origin;
-  const float ax = a[shear.kx] - shear.sx * a[shear.kz], ay = a[shear.ky] - shear.sy * a[shear.kz];
-  const float bx = b[shear.kx] - shear.sx * b[shear.kz], by = b[shear.ky] - shear.sy * b[shear.kz];
-  const float cx = c[shear.kx] - shear.sx * c[shear.kz], cy = c[shear.ky] - shear.sy * c[shear.kz];
-  const auto signs_differ = [](auto u, auto v, auto w) {
-    return (u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0);
-  };
-  if (signs_differ(cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax)) return false;
+  const ShearedCorner a(shear, origin, triangle.v0), b(shear, origin, triangle.v1),
+      c(shear, origin, triangle.v2);
+  const float u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
+              w = difference_of_products(b.x, a.y, b.y, a.x);
+  const float least = std::min({u, v, w}), greatest = std::max({u, v, w});
+  if (least < -SinglePrecision::least_sign && greatest > SinglePrecision::least_sign) return false;
 
-  const double u = static_cast<double>(cx) * by - static_cast<double>(cy) * bx;
-  const double v = static_cast<double>(ax) * cy - static_cast<double>(ay) * cx;
-  const double w = static_cast<double>(bx) * ay - static_cast<double>(by) * ax;
-  if (signs_differ(u, v, w)) return false;
-  const double determinant = u + v + w;
-  const double z = u * a[shear.kz] + v * b[shear.kz] + w * c[shear.kz];
-  const double inverse = 1.0 / determinant;
-  const auto t = static_cast<float>(z * inverse * shear.inverse_dz);
-  if (!(t >= t_min && t <= t_max)) return false;  // so is a triangle seen edge-on, whose determinant is 0
+  const float determinant = u + v + w;
+  const float inverse = 1.0f / determinant;
+  const float t = (u * a.z + v * b.z + w * c.z) * inverse * shear.inverse_dz;
+  const bool trusted = (least > SinglePrecision::least_value || greatest < -SinglePrecision::least_value) &&
+                       std::abs(determinant) < SinglePrecision::greatest &&
+                       std::abs(t) < SinglePrecision::greatest;
+  if (!trusted) return intersect_exactly(a, b, c, shear.dz, t_min, t_max, hit);
+  if (!(t >= t_min && t <= t_max)) return false;
   hit.t = t;
-  hit.u = static_cast<float>(v * inverse);
-  hit.v = static_cast<float>(w * inverse);
+  hit.u = v * inverse;
+  hit.v = w * inverse;
   return true;
 }
 
