@@ -116,5 +116,38 @@ TEST(Bench, JsonHasTheKeysOfTheContract) {
   }
 }
 
+TEST(Bench, LimitsAreMeasuredWhereTheyAreAskedFor) {
+  BenchOptions options = short_run(1);
+  const Scene scene = load_scene("terrain:detail=0.01");
+  const std::vector<Engine> kerf_alone{kerf_engine({.threads = 1}, "0")};
+  EXPECT_FALSE(bench_scene(scene, kerf_alone, options).limits);
+  options.limits = true;
+  const BenchScene figures = bench_scene(scene, kerf_alone, options);
+  ASSERT_TRUE(figures.limits);
+  EXPECT_GT(figures.limits->times.node_ns, 0.0);
+  EXPECT_GT(figures.limits->times.leaf_ns, 0.0);
+  const kerf::Bvh bvh = kerf::build(scene.mesh());
+  for (std::size_t i = 0; i < std::size(ray_types); ++i) {
+    const StepCounts counts = count_steps(bvh, make_rays(scene, bvh, ray_types[i], options.rays));
+    EXPECT_EQ(figures.limits->counts[i].nodes, counts.nodes);
+    EXPECT_EQ(figures.limits->counts[i].leaves, counts.leaves);
+    EXPECT_GT(counts.nodes, 1.0);
+  }
+}
+
+TEST(Bench, TheFloorIsWhatTheStepsCostAndEfficiencyItsPartOfTheTime) {
+  BenchScene scene = made_up("one", 20.0);  // 50 ns a ray
+  scene.limits = {.times = {.node_ns = 3.0, .leaf_ns = 5.0}, .counts = {}};
+  scene.limits->counts[1] = {.nodes = 5.0, .leaves = 2.0};
+  const auto json = to_json(std::span(&scene, 1), "0.1.0", 1)["scenes"][0]["limits"];
+  EXPECT_EQ(json["node_ns"], 3.0);
+  EXPECT_EQ(json["leaf_ns"], 5.0);
+  EXPECT_EQ(json["rays"]["ao"]["steps"], 5.0);
+  EXPECT_EQ(json["rays"]["ao"]["leaves"], 2.0);
+  EXPECT_EQ(json["rays"]["ao"]["floor_ns"], 25.0);
+  EXPECT_NEAR(json["rays"]["ao"]["efficiency"]["single"], 0.5, 1e-12);
+  EXPECT_NE(format_bench(std::span(&scene, 1), Emphasis::mark).find("25.0"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace workbench

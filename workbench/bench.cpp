@@ -159,6 +159,7 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   kerf::BuildOptions defaults;
   defaults.threads = options.threads;
   const kerf::Bvh bvh = kerf::build(mesh, defaults);
+  if (options.limits) figures.limits = {.times = measure_steps(), .counts = {}};
   double part = 0.5;
   for (const RayType type : ray_types) {
     progress.show(part, "tracing " + std::string(name(type)));
@@ -166,6 +167,7 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
     const RaySet set = make_rays(scene, bvh, type, options.rays);
     const std::vector<BenchRays> rays = trace_all(tracers, set, options);
     for (std::size_t i = 0; i < rays.size(); ++i) figures.results[i].rays.push_back(rays[i]);
+    if (figures.limits) figures.limits->counts[static_cast<std::size_t>(type)] = count_steps(bvh, set);
   }
 
   const kerf::BinaryTree tree = kerf::build_tree(kerf::Geometry({&mesh, 1}), defaults);

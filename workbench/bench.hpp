@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "workbench/limits.hpp"
 #include "workbench/peers/engine.hpp"
 #include "workbench/rays.hpp"
 #include "workbench/scene.hpp"
@@ -37,6 +39,7 @@ struct BenchScene {
   double sah = 0.0;            ///< of kerf's tree
   std::size_t references = 0;  ///< of kerf's tree
   std::vector<BenchResult> results;
+  std::optional<Limits> limits = {};  ///< of kerf, where they were asked for
 };
 
 struct BenchOptions {
@@ -45,6 +48,7 @@ struct BenchOptions {
   unsigned trace_rounds = 5;   ///< at least; likewise
   double trace_seconds = 2.0;  ///< further rounds until those of one type of rays took as long
   RaySetOptions rays;
+  bool limits = false;  ///< measure how fast kerf could be at best, too
   std::function<void(double part, std::string_view what)> progress;
 };
 

@@ -116,6 +116,54 @@ std::string format_scene(const BenchScene& scene, Emphasis emphasis) {
                      scene.references, scene.sah, format(columns, emphasis));
 }
 
+// What kerf could do at best, and which part of it is reached.
+std::string format_limits(const BenchScene& scene) {
+  if (!scene.limits) return {};
+  const Limits& limits = *scene.limits;
+  std::vector<Column> columns{{.head = "rays", .cells = {}, .left_aligned = true},
+                              {.head = "steps", .cells = {}},
+                              {.head = "leaves", .cells = {}},
+                              {.head = "floor ns", .cells = {}}};
+  for (std::size_t i = 0; i < std::size(ray_types); ++i) {
+    const StepCounts& counts = limits.counts[i];
+    columns[0].cells.push_back({std::string(name(ray_types[i]))});
+    columns[1].cells.push_back({fmt::format("{:.2f}", counts.nodes)});
+    columns[2].cells.push_back({fmt::format("{:.2f}", counts.leaves)});
+    columns[3].cells.push_back({fmt::format("{:.1f}", floor_ns(limits.times, counts))});
+  }
+  for (const BenchResult& result : scene.results) {
+    if (!is_kerf(result)) continue;
+    Column took{.head = result.mode + " ns", .cells = {}}, part{.head = "efficiency", .cells = {}};
+    for (std::size_t i = 0; i < result.rays.size(); ++i) {
+      const double speed = result.rays[i].mrays_per_s;
+      took.cells.push_back({fmt::format("{:.1f}", 1e3 / speed)});
+      part.cells.push_back(
+          {fmt::format("{:.2f}", efficiency(floor_ns(limits.times, limits.counts[i]), speed))});
+    }
+    columns.push_back(std::move(took));
+    columns.push_back(std::move(part));
+  }
+  return fmt::format(
+      "Floor: {:.2f} ns a node, {:.2f} ns a leaf with everything in the first-level cache\n{}\n",
+      limits.times.node_ns, limits.times.leaf_ns, format(columns, Emphasis::mark));
+}
+
+nlohmann::ordered_json limits_json(const BenchScene& scene) {
+  const Limits& limits = *scene.limits;
+  nlohmann::ordered_json rays;
+  for (std::size_t i = 0; i < std::size(ray_types); ++i) {
+    const StepCounts& counts = limits.counts[i];
+    const double floor = floor_ns(limits.times, counts);
+    nlohmann::ordered_json parts;
+    for (const BenchResult& result : scene.results) {
+      if (is_kerf(result)) parts[result.mode] = efficiency(floor, result.rays[i].mrays_per_s);
+    }
+    rays[std::string(name(ray_types[i]))] = {
+        {"steps", counts.nodes}, {"leaves", counts.leaves}, {"floor_ns", floor}, {"efficiency", parts}};
+  }
+  return {{"node_ns", limits.times.node_ns}, {"leaf_ns", limits.times.leaf_ns}, {"rays", std::move(rays)}};
+}
+
 std::string format_ratios(std::span<const BenchScene> scenes) {
   const std::vector<Ratios> list = ratios_to_peers(scenes);
   if (list.empty()) return {};
@@ -164,7 +212,7 @@ std::vector<Ratios> ratios_to_peers(std::span<const BenchScene> scenes) {
 
 std::string format_bench(std::span<const BenchScene> scenes, Emphasis emphasis) {
   std::string text;
-  for (const BenchScene& scene : scenes) text += format_scene(scene, emphasis);
+  for (const BenchScene& scene : scenes) text += format_scene(scene, emphasis) + format_limits(scene);
   return text + format_ratios(scenes);
 }
 
@@ -192,6 +240,7 @@ nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, std::string_v
       results.push_back(std::move(entry));
     }
     list.push_back({{"name", scene.name}, {"triangles", scene.triangles}, {"results", std::move(results)}});
+    if (scene.limits) list.back()["limits"] = limits_json(scene);
   }
   return {{"kerf", version}, {"threads", threads}, {"scenes", std::move(list)}};
 }

@@ -29,6 +29,7 @@ struct BenchArguments {
   std::string threads = "0";
   std::string peers = "embree";
   std::string json;
+  bool limits = false;
 };
 
 std::string join_versions(const std::vector<Engine>& engines) {
@@ -68,6 +69,7 @@ void bench(const BenchArguments& arguments) {
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       BenchOptions options;
       options.threads = threads;
+      options.limits = arguments.limits;
       options.progress = [&](double part, std::string_view what) {
         bar.show((static_cast<double>(i) + part) / static_cast<double>(scenes.size()), what);
       };
@@ -97,6 +99,8 @@ void add_bench_command(CLI::App& app) {
   command->add_option("--peers", arguments->peers, "What kerf is measured beside: embree or none")
       ->check(CLI::IsMember({"embree", "none"}))
       ->capture_default_str();
+  command->add_flag("--limits", arguments->limits,
+                    "Measure what a step costs at best, and which part of that speed kerf reaches");
   command->add_option("--json", arguments->json, "Write the figures to this file; - is standard output")
       ->type_name("FILE");
   command->callback([arguments] { bench(*arguments); });
