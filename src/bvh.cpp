@@ -4,6 +4,8 @@
 #include <kerf/kerf.hpp>
 
 #include "build/build_tree.hpp"
+#include "build/input.hpp"
+#include "build/split_bvh_builder.hpp"
 #include "kernel/kernels.hpp"
 #include "kernel/wide_layout.hpp"
 #include "out_of_memory.hpp"
@@ -105,9 +107,11 @@ bool occluded_counted(const Bvh& bvh, const Ray& ray, TraversalCounters& counter
   return !structure.wide.empty() && structure.kernels->any_counted(structure.wide, ray, counters);
 }
 
-Bvh make_bvh(const Geometry& geometry, BinaryTree tree) {
+Bvh make_bvh(const Geometry& geometry, BinaryTree tree, unsigned threads) {
   auto structure = std::make_shared<Bvh::Structure>();
-  structure->wide = make_wide_bvh(geometry, tree);
+  tbb::task_arena arena(usable_threads(threads));
+  LaidOut laid_out = execute_in(arena, [&] { return make_wide_bvh(geometry, tree); });
+  structure->wide = std::move(laid_out.wide);
   structure->first_triangles.assign(geometry.first_triangles().begin(), geometry.first_triangles().end());
   structure->kernels = &choose_kernels();
   BvhStatistics& statistics = structure->statistics;
@@ -116,7 +120,7 @@ Bvh make_bvh(const Geometry& geometry, BinaryTree tree) {
   statistics.references = structure->wide.references();
   statistics.nodes = structure->wide.nodes.size();
   statistics.bytes = structure->wide.nodes.size_bytes() + structure->wide.leaves.size_bytes();
-  statistics.build_peak_bytes = std::max(tree.build_peak_bytes, statistics.bytes);
+  statistics.build_peak_bytes = std::max(tree.build_peak_bytes, tree.bytes() + laid_out.peak_bytes);
   return Bvh(std::move(structure));
 }
 
@@ -132,11 +136,20 @@ Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
       throw Error(Error::too_large,
                   "the meshes have 2^28 triangles or more, which is more than kerf can number");
     }
-    return make_bvh(geometry, build_tree(geometry, options));
+    return make_bvh(geometry, build_tree(geometry, options), options.threads);
   });
   const_cast<BvhStatistics&>(bvh.statistics()).build_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return bvh;
+}
+
+std::size_t build_memory_bound(std::size_t triangles, const BuildOptions& options) {
+  check_options(options);
+  // Lists of meshes and of tasks, and what allocators add to an array.
+  constexpr std::size_t small_things = std::size_t{1} << 16;
+  const std::size_t references = most_references(triangles, options);
+  return small_things + std::max(tree_memory_bound(triangles, options),
+                                 binary_tree_bytes(references) + layout_memory_bound(references));
 }
 
 }  // namespace kerf

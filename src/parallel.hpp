@@ -6,7 +6,10 @@
 // else.
 #pragma once
 
+#include <algorithm>
+
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #if defined(__has_feature)
@@ -31,6 +34,14 @@
 #endif
 
 namespace kerf {
+
+/// How many threads work where `wanted` are asked for, or, with 0, all there are: oneTBB has no more for
+/// anyone than it is held to, and warns whoever asks for more.
+inline int usable_threads(unsigned wanted) {
+  const auto most =
+      static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  return static_cast<int>(wanted == 0 ? most : std::min(wanted, most));
+}
 
 #ifdef KERF_STANDARD_THREADS
 

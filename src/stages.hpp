@@ -9,8 +9,9 @@
 
 namespace kerf {
 
-/// The last stage: from a tree to the structure that is traced. `build` is this after `build_tree`.
-Bvh make_bvh(const Geometry& geometry, BinaryTree tree);
+/// The last stage: from a tree to the structure that is traced, on so many threads, 0 for all. `build` is
+/// this after `build_tree`.
+Bvh make_bvh(const Geometry& geometry, BinaryTree tree, unsigned threads = 0);
 
 /// The same traversals as `Bvh::intersect` and `Bvh::occluded`, counting as they go.
 std::optional<Hit> intersect_counted(const Bvh& bvh, const Ray& ray, TraversalCounters& counters);

@@ -240,13 +240,13 @@ TEST(SplitBvh, ProgressCanCancel) {
   }
 }
 
-TEST(SplitBvh, PeakIsNoMoreThanTheArenaAndTheTreeItself) {
+TEST(SplitBvh, PeakOfATreeIsNoMoreThanItsBound) {
   const Mesh mesh = large_and_small_triangles();
   for (const float ratio : {1.0f, 1.1f, 1.5f, 3.0f}) {
     const BinaryTree tree = tree_of(mesh.mesh(), {.max_reference_ratio = ratio, .threads = 1});
     EXPECT_GT(tree.build_peak_bytes, tree.nodes.size() * sizeof(kerf::BinaryNode));
     EXPECT_LE(tree.build_peak_bytes,
-              kerf::build_memory_bound(mesh.triangles.size(), {.max_reference_ratio = ratio, .threads = 1}));
+              kerf::tree_memory_bound(mesh.triangles.size(), {.max_reference_ratio = ratio, .threads = 1}));
   }
 }
 

@@ -25,8 +25,8 @@ struct BuildOptions {
   Builder builder = Builder::sbvh;
 
   /// A spatial split is tried where the children of the best object split overlap by more than this part of
-  /// the root's surface area (Stich et al. 2009, section 4.5), but neither in nodes of fewer than 64 references
-  /// nor where the overlap is under a twentieth of the node's own area, where nearly none is found
+  /// the root's surface area (Stich et al. 2009, section 4.5), but neither in nodes of fewer than 64
+  /// references nor where the overlap is under a twentieth of the node's own area, where nearly none is found
   /// (docs/decisions.md). 0 tries everywhere without exception, 1 nowhere. Range: [0, 1].
   float alpha = 1e-5f;
 
@@ -57,5 +57,10 @@ KERF_API Bvh build(const TriangleMesh& mesh, const BuildOptions& options = {});
 
 /// Builds one hierarchy over several meshes; hits say which mesh by its place in `meshes`.
 KERF_API Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options = {});
+
+/// The most bytes that a build by `sbvh` or `bvh` of so many triangles can hold at once, whatever they look
+/// like: known before it starts. In practice it is less than half, see `BvhStatistics::build_peak_bytes`.
+/// Throws `Error::invalid_argument` as `build` does.
+KERF_API std::size_t build_memory_bound(std::size_t triangles, const BuildOptions& options = {});
 
 }  // namespace kerf

@@ -26,8 +26,9 @@ struct BvhStatistics {
   std::size_t references = 0;            ///< triangles in leaves, counted as often as they stand there
   std::size_t nodes = 0;                 ///< inner nodes and leaves of the structure that is traced
   std::size_t bytes = 0;                 ///< of the structure that is traced, triangles included
-  /// The larger of what the tree build held at once and `bytes`. What the last stage holds beside both, the
-  /// tree while the traced structure is made from it, is not counted yet: the true peak is higher.
+  /// The most bytes that the build held at once, from the caller's arrays to the finished structure, that
+  /// included; what `esc` and `evh` hold before they build their tree is not. Never more than
+  /// `build_memory_bound`.
   std::size_t build_peak_bytes = 0;
   double build_seconds = 0.0;  ///< from the caller's arrays to a structure ready to trace
 };

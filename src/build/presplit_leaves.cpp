@@ -5,7 +5,7 @@
 namespace kerf {
 
 void merge_parts_in_leaves(BinaryTree& tree) {
-  std::vector<std::uint32_t> kept;
+  UninitializedVector<std::uint32_t> kept;
   kept.reserve(tree.references.size());
   for (BinaryNode& node : tree.nodes) {
     if (!node.is_leaf()) continue;

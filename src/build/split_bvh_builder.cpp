@@ -7,8 +7,7 @@
 #include <memory>
 #include <new>
 
-#include <tbb/global_control.h>
-
+#include "build/finished_subtree.hpp"
 #include "build/input.hpp"
 #include "build/progress.hpp"
 #include "build/subtree.hpp"
@@ -35,10 +34,9 @@ struct Scratch {
 // A node above the tasks, or all that one task built.
 struct Part {
   Box3f box;
-  std::unique_ptr<Part> left, right;   // null for a finished subtree, which is stored
-  const std::byte* stored = nullptr;   // as its nodes, then its references
-  std::unique_ptr<std::byte[]> spill;  // owns what is stored, where that did not fit into the arena
-  SubtreeSize size{};
+  std::unique_ptr<Part> left, right;  // null for a finished subtree
+  SubtreeSize size{};                 // of the finished one
+  FinishedSubtree stored;
 };
 
 class Driver {
@@ -48,42 +46,41 @@ class Driver {
 
   BinaryTree build(const NodeInput& root, std::size_t arena_bytes) {
     Part top;
-    build_part(top, root);
-    BinaryTree tree = assemble(top);
-    tree.build_peak_bytes = arena_bytes + scratch_.size() * Scratch::bytes + spilled_bytes_ +
-                            tree.nodes.capacity() * sizeof(BinaryNode) +
-                            tree.references.capacity() * sizeof(std::uint32_t);
+    std::size_t scratch_bytes;
+    {
+      ScratchPool<Scratch> scratch;
+      build_part(top, root, scratch);
+      scratch_bytes = scratch.size() * Scratch::bytes;
+    }
+    BinaryTree tree;
+    const std::size_t assembly_bytes = assemble(top, tree);
+    tree.build_peak_bytes = arena_bytes + spilled_bytes_ + parts_ * part_bytes +
+                            std::max(scratch_bytes, tree.bytes() + assembly_bytes);
     return tree;
   }
 
  private:
-  void build_part(Part& part, const NodeInput& node) {
+  void build_part(Part& part, const NodeInput& node, ScratchPool<Scratch>& scratch) {
     progress_.check();
     part.box = node.box;
     NodeInput left, right;
     if (node.range.capacity() <= task_capacity || !split_node(context_, node, left, right)) {
-      return build_subtree_of(part, node);
+      return build_subtree_of(part, node, scratch);
     }
     part.left = std::make_unique<Part>();
     part.right = std::make_unique<Part>();
-    parallel_invoke([&] { build_part(*part.left, left); }, [&] { build_part(*part.right, right); });
+    parts_ += 2;
+    parallel_invoke([&] { build_part(*part.left, left, scratch); },
+                    [&] { build_part(*part.right, right, scratch); });
   }
 
   // What was built takes the place of the references that it was built from, which nobody needs any more.
-  void build_subtree_of(Part& part, const NodeInput& node) {
-    const auto scratch = scratch_.borrow([] { return Scratch(); });
+  void build_subtree_of(Part& part, const NodeInput& node, ScratchPool<Scratch>& pool) {
+    const auto scratch = pool.borrow([] { return Scratch(); });
     part.size = build_subtree(context_, node, scratch->nodes.get(), scratch->references.get());
-    const std::size_t node_bytes = part.size.nodes * sizeof(BinaryNode);
-    const std::size_t bytes = node_bytes + part.size.references * sizeof(std::uint32_t);
-    auto* place = reinterpret_cast<std::byte*>(context_.arena + node.range.begin);
-    if (bytes > node.range.capacity() * sizeof(Reference)) {
-      part.spill.reset(new std::byte[bytes]);
-      place = part.spill.get();
-      spilled_bytes_ += bytes;
-    }
-    std::memcpy(place, scratch->nodes.get(), node_bytes);
-    std::memcpy(place + node_bytes, scratch->references.get(), bytes - node_bytes);
-    part.stored = place;
+    part.stored = FinishedSubtree(part.size, scratch->nodes.get(), scratch->references.get(),
+                                  context_.arena + node.range.begin, node.range.capacity());
+    spilled_bytes_ += part.stored.spilled_bytes();
     progress_.add(node.range.count());
   }
 
@@ -92,23 +89,29 @@ class Driver {
     const Part* part;
     std::uint32_t root, nodes, references;
   };
+  struct Inner {
+    std::uint32_t slot;
+    BinaryNode node;
+  };
 
-  BinaryTree assemble(const Part& top) {
-    BinaryTree tree;
+  // Returns what was held meanwhile beside the parts and the tree.
+  std::size_t assemble(const Part& top, BinaryTree& tree) {
     std::vector<Job> jobs;
-    std::vector<std::pair<std::uint32_t, BinaryNode>> inner;
+    std::vector<Inner> inner;
+    jobs.reserve(parts_ / 2 + 1);
+    inner.reserve(parts_ / 2);
     std::uint32_t nodes = 1, references = 0;
     number(top, 0, nodes, references, jobs, inner);
     tree.nodes.resize(nodes);
     tree.references.resize(references);
     for (const auto& [slot, node] : inner) tree.nodes[slot] = node;
     parallel_for(jobs.size(), [&](std::size_t i) { copy(jobs[i], tree); });
-    return tree;
+    return jobs.capacity() * sizeof(Job) + inner.capacity() * sizeof(Inner);
   }
 
   // In the order of a depth-first build on one thread, so that the tree is the same for any number of them.
   void number(const Part& part, std::uint32_t slot, std::uint32_t& nodes, std::uint32_t& references,
-              std::vector<Job>& jobs, std::vector<std::pair<std::uint32_t, BinaryNode>>& inner) {
+              std::vector<Job>& jobs, std::vector<Inner>& inner) {
     if (part.left == nullptr) {
       jobs.push_back({&part, slot, nodes, references});
       nodes += part.size.nodes - 1;
@@ -124,28 +127,24 @@ class Driver {
 
   static void copy(const Job& job, BinaryTree& tree) {
     const SubtreeSize size = job.part->size;
-    const std::size_t node_bytes = size.nodes * sizeof(BinaryNode);
     for (std::uint32_t i = 0; i < size.nodes; ++i) {
       BinaryNode& node = tree.nodes[i == 0 ? job.root : job.nodes + i - 1];
-      std::memcpy(&node, job.part->stored + i * sizeof(BinaryNode), sizeof(BinaryNode));
+      job.part->stored.read_node(i, node);
       node.first += node.is_leaf() ? job.references : job.nodes - 1;
     }
-    std::memcpy(tree.references.data() + job.references, job.part->stored + node_bytes,
-                size.references * sizeof(std::uint32_t));
+    job.part->stored.read_references(size, tree.references.data() + job.references);
   }
 
+ public:
+  // What is held for each part: itself, with what its allocation takes, and a job or an inner node.
+  static constexpr std::size_t part_bytes = sizeof(Part) + 2 * sizeof(void*);
+  static constexpr std::size_t assembly_bytes = std::max(sizeof(Job), sizeof(Inner));
+
+ private:
   const BuildContext& context_;
   Progress progress_;
-  std::atomic<std::size_t> spilled_bytes_ = 0;
-  ScratchPool<Scratch> scratch_;
+  std::atomic<std::size_t> spilled_bytes_ = 0, parts_ = 0;
 };
-
-// oneTBB has no more threads than this for anyone, and warns whoever asks for more.
-int threads_of(const BuildOptions& options) {
-  const auto most =
-      static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-  return static_cast<int>(options.threads == 0 ? most : std::min(options.threads, most));
-}
 
 // Spatial splits of smaller nodes are rarely found and gain little: trying them only here costs 0.1 % of the
 // surface-area cost on sponza and saves half the time (docs/decisions.md). With an alpha of 0, all are tried.
@@ -156,21 +155,21 @@ bool splits_space(const BuildOptions& options) {
   return options.builder == Builder::sbvh && options.alpha < 1.0f;
 }
 
-std::size_t references_in_arena(std::size_t triangles, const BuildOptions& options) {
+}  // namespace
+
+std::size_t most_references(std::size_t triangles, const BuildOptions& options) {
   const double ratio = splits_space(options) ? double{options.max_reference_ratio} : 1.0;
   return static_cast<std::size_t>(static_cast<double>(triangles) * ratio);
 }
 
-}  // namespace
-
 BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& options) {
   if (geometry.triangle_count() == 0) return {};
-  const std::size_t room = references_in_arena(geometry.triangle_count(), options);
+  const std::size_t room = most_references(geometry.triangle_count(), options);
   if (room >= (std::size_t{1} << 31)) {
     throw Error(Error::too_large, "there may be 2^31 references or more, which is more than kerf can number");
   }
   const AlignedArray<Reference> arena(room);
-  tbb::task_arena threads(threads_of(options));
+  tbb::task_arena threads(usable_threads(options.threads));
   return execute_in(threads, [&]() -> BinaryTree {
     const ReferenceSummary input = write_references(geometry, arena.data());
     BinaryTree tree;
@@ -184,7 +183,7 @@ BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& option
                                  .absolute_overlap = options.alpha * root_area,
                                  .relative_overlap = options.alpha > 0.0f ? worthwhile_overlap : 0.0f,
                                  .spatial_minimum = options.alpha > 0.0f ? worthwhile_count : 2};
-      const auto limit = static_cast<std::uint32_t>(references_in_arena(input.count, options));
+      const auto limit = static_cast<std::uint32_t>(most_references(input.count, options));
       tree = Driver(context, options, input.count)
                  .build({{0, input.count, limit}, 0, input.box, input.doubled_centroids},
                         room * sizeof(Reference));
@@ -206,17 +205,22 @@ BinaryTree build_object_split_tree(std::vector<Reference> references, const Buil
   const BuildContext context{.arena = references.data(),
                              .max_leaf_size = options.max_leaf_size,
                              .spatial_minimum = worthwhile_count};
-  tbb::task_arena threads(threads_of(options));
+  tbb::task_arena threads(usable_threads(options.threads));
   return execute_in(threads, [&] {
     return Driver(context, options, count).build(root, references.capacity() * sizeof(Reference));
   });
 }
 
-std::size_t build_memory_bound(std::size_t triangles, const BuildOptions& options) {
-  const std::size_t references = references_in_arena(triangles, options);
-  const auto threads = static_cast<std::size_t>(threads_of(options));
-  const std::size_t tree = references * (2 * sizeof(BinaryNode) + sizeof(std::uint32_t));
-  return references * sizeof(Reference) + 2 * tree + threads * Scratch::bytes;
+std::size_t tree_memory_bound(std::size_t triangles, const BuildOptions& options) {
+  const std::size_t references = most_references(triangles, options);
+  const std::size_t tree = binary_tree_bytes(references);
+  const std::size_t spilled = tree - references * sizeof(Reference);
+  // Nodes of more than `task_capacity` places are parted, each in two: side by side there are no more than
+  // fit.
+  const std::size_t parts = 1 + 2 * max_tree_depth * (references / task_capacity);
+  const std::size_t scratch = static_cast<std::size_t>(usable_threads(options.threads)) * Scratch::bytes;
+  return references * sizeof(Reference) + spilled + parts * (Driver::part_bytes + Driver::assembly_bytes) +
+         std::max(scratch, tree);
 }
 
 }  // namespace kerf

@@ -20,9 +20,12 @@ BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& option
 /// the threads and the progress.
 BinaryTree build_object_split_tree(std::vector<Reference> references, const BuildOptions& options);
 
-/// The most memory that a build of `triangles` triangles can hold at once, its tree included, known before it
-/// begins: the arena, what each thread works in, and the tree, which where every leaf holds a single
-/// reference is twice as large as the arena and stands once more where it does not fit into that.
-std::size_t build_memory_bound(std::size_t triangles, const BuildOptions& options);
+/// The room for references in the arena of a build of so many triangles.
+std::size_t most_references(std::size_t triangles, const BuildOptions& options);
+
+/// The most memory that `build_split_tree` can hold at once, the tree included, known before it begins: the
+/// arena, and the tree, which where every leaf holds a single reference is a little more than twice as large,
+/// and what of that does not fit into the arena.
+std::size_t tree_memory_bound(std::size_t triangles, const BuildOptions& options);
 
 }  // namespace kerf

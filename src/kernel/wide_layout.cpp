@@ -205,7 +205,7 @@ class Layout {
     }
   }
 
-  WideBvh write() {
+  LaidOut write() {
     nodes_ = AlignedArray<WideNode>(total_.nodes);
     leaves_ = AlignedArray<std::uint32_t>(words_per_triangle * total_.triangles + leaf_padding_words);
     std::fill_n(leaves_.data() + words_per_triangle * total_.triangles, leaf_padding_words, 0u);
@@ -223,13 +223,15 @@ class Layout {
       parent.below[section.slot] = section.prospect;
     }
     const Box3f& bounds = tree_.nodes[0].bounds;
-    return {.nodes = {nodes_.data(), nodes_.size()},
-            .leaves = {leaves_.data(), leaves_.size()},
-            .bounds = bounds,
-            .largest_coordinate = largest_coordinate(bounds),
-            .depth = depth_,
-            .node_memory = nodes_.owner(),
-            .leaf_memory = leaves_.owner()};
+    const WideBvh wide{.nodes = {nodes_.data(), nodes_.size()},
+                       .leaves = {leaves_.data(), leaves_.size()},
+                       .bounds = bounds,
+                       .largest_coordinate = largest_coordinate(bounds),
+                       .depth = depth_,
+                       .node_memory = nodes_.owner(),
+                       .leaf_memory = leaves_.owner()};
+    return {wide, wide.nodes.size_bytes() + wide.leaves.size_bytes() + Collapse::bytes(tree_.nodes.size()) +
+                      sections_.capacity() * sizeof(Section)};
   }
 
  private:
@@ -364,9 +366,21 @@ class Layout {
 
 }  // namespace
 
-WideBvh make_wide_bvh(const Geometry& geometry, const BinaryTree& tree) {
+LaidOut make_wide_bvh(const Geometry& geometry, const BinaryTree& tree) {
   if (tree.empty()) return {};
   return Layout(geometry, tree).write();
+}
+
+std::size_t layout_memory_bound(std::size_t references) {
+  // A subtree of up to eight references is always cheapest as a leaf, so wide nodes have more below them. And
+  // of a wide node and its parent one has at least five children, or the parent would have taken the other's:
+  // a child in four at most is a node.
+  const std::size_t nodes = references / 4 + 1;
+  // A section is the child of a node of at least 2^(large_bits - 1) references.
+  const std::size_t sections = 1 + wide_node_children * max_tree_depth * (references >> (large_bits - 1));
+  return nodes * sizeof(WideNode) +
+         (words_per_triangle * references + leaf_padding_words) * sizeof(std::uint32_t) +
+         Collapse::bytes(2 * references) + 2 * sections * sizeof(Section);  // vectors grow by doubling
 }
 
 }  // namespace kerf

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "math/box3f.hpp"
 #include "tree/uninitialized.hpp"
@@ -34,10 +33,10 @@ static_assert(sizeof(BinaryNode) == 32);
 
 /// A binary bounding volume hierarchy. `nodes[0]` is the root; a tree of nothing has no nodes.
 struct BinaryTree {
-  std::vector<BinaryNode, UninitializedAllocator<BinaryNode>>
-      nodes;                              ///< resizing it leaves new nodes as they are
-  std::vector<std::uint32_t> references;  ///< the triangles of the leaves, by their number in the `Geometry`
-  std::size_t degenerate_triangles = 0;   ///< left out by the builder
+  UninitializedVector<BinaryNode> nodes;
+  UninitializedVector<std::uint32_t>
+      references;                        ///< the triangles of the leaves, by their number in the `Geometry`
+  std::size_t degenerate_triangles = 0;  ///< left out by the builder
 
   /// Triangles were divided only where a node had at least this many references: below a node of fewer, none
   /// stands twice. 0 where nothing is known.
@@ -45,6 +44,16 @@ struct BinaryTree {
   std::size_t build_peak_bytes = 0;  ///< the most that the builder held at once, this tree included
 
   bool empty() const { return nodes.empty(); }
+
+  /// What it takes.
+  std::size_t bytes() const {
+    return nodes.capacity() * sizeof(BinaryNode) + references.capacity() * sizeof(std::uint32_t);
+  }
 };
+
+/// The most that a tree of so many references takes: one leaf for each.
+constexpr std::size_t binary_tree_bytes(std::size_t references) {
+  return references * (2 * sizeof(BinaryNode) + sizeof(std::uint32_t));
+}
 
 }  // namespace kerf

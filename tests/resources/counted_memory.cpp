@@ -6,8 +6,6 @@
 #include <cstdlib>
 #include <new>
 
-#include <malloc.h>
-
 namespace {
 
 std::atomic<std::int64_t> live{0}, peak{0};
@@ -19,23 +17,32 @@ void fail_if_it_is_time() {
     throw std::bad_alloc();
 }
 
+// Stands before each piece: what was asked for, which is what counts (behind an alignment to huge pages there
+// is room that nobody touches), and how far before it the piece begins.
+struct Header {
+  std::size_t bytes, before;
+};
+
 void* allocate(std::size_t bytes, std::size_t alignment) {
+  const std::size_t before = std::max(alignment, sizeof(Header));
   void* memory = nullptr;
-  if (::posix_memalign(&memory, std::max(alignment, sizeof(void*)), std::max<std::size_t>(bytes, 1)) != 0) {
-    throw std::bad_alloc();
-  }
-  const auto size = static_cast<std::int64_t>(::malloc_usable_size(memory));
+  if (::posix_memalign(&memory, before, before + bytes) != 0) throw std::bad_alloc();
+  auto* const piece = static_cast<std::byte*>(memory) + before;
+  new (piece - sizeof(Header)) Header{bytes, before};
+  const auto size = static_cast<std::int64_t>(bytes);
   const std::int64_t now = live.fetch_add(size) + size;
-  std::int64_t before = peak.load();
-  while (before < now && !peak.compare_exchange_weak(before, now)) {
+  std::int64_t most = peak.load();
+  while (most < now && !peak.compare_exchange_weak(most, now)) {
   }
-  return memory;
+  return piece;
 }
 
 void release(void* memory) {
   if (memory == nullptr) return;
-  live.fetch_sub(static_cast<std::int64_t>(::malloc_usable_size(memory)));
-  std::free(memory);
+  auto* const piece = static_cast<std::byte*>(memory);
+  const Header header = *reinterpret_cast<const Header*>(piece - sizeof(Header));
+  live.fetch_sub(static_cast<std::int64_t>(header.bytes));
+  std::free(piece - header.before);
 }
 
 }  // namespace
