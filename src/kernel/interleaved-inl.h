@@ -150,8 +150,7 @@ class Interleaved {
     Lane& lane = lanes_[number];
     const ChildLink leaf(lane.link);
     const LeafConstants constants(lane.ray);
-    if (intersect_leaf(constants, bvh_.leaves.data() + words_per_triangle * leaf.first(), leaf.count(),
-                       lane.best)) {
+    if (intersect_leaf<any_hit>(constants, bvh_, leaf, rays_[lane.result], lane.best)) {
       if constexpr (any_hit) {
         lane.depth = 1;
       } else {

@@ -33,38 +33,32 @@ HWY_INLINE bool is_before(float t, std::uint32_t primitive, const Hit& best) {
   return t < best.t || (t == best.t && primitive < best.primitive);
 }
 
-// The triangles in `lanes` by `intersect_exactly`. Out of line, and by value, so that nothing has to be in
-// memory for its sake.
-HWY_NOINLINE HWY_ATTR Hit intersect_exactly(const Sheared* corners, std::uint32_t lanes, float dz,
-                                            float t_min, const std::uint32_t* ids, Hit best) {
-  alignas(64) float lane[3][3][8];
-  for (std::size_t i = 0; i < 3; ++i) {
-    store(corners[i].x, lane[i][0]);
-    store(corners[i].y, lane[i][1]);
-    store(corners[i].z, lane[i][2]);
-  }
+// The triangles in `lanes` one by one: for the few that single precision leaves open. Out of line, and with
+// nothing by reference that is in registers otherwise.
+HWY_NOINLINE HWY_ATTR Hit intersect_one_by_one(const WideBvh& bvh, ChildLink leaf, std::uint32_t lanes,
+                                               const Ray& ray, float t_min, Hit best) {
+  const RayShear shear(ray.direction);
   for (; lanes != 0; lanes &= lanes - 1) {
-    const auto i = static_cast<std::size_t>(std::countr_zero(lanes));
-    const auto corner = [&](std::size_t k) {
-      return ShearedCorner(lane[k][0][i], lane[k][1][i], lane[k][2][i]);
-    };
+    const auto i = static_cast<std::uint32_t>(std::countr_zero(lanes));
     Hit hit;
-    if (!kerf::intersect_exactly(corner(0), corner(1), corner(2), dz, t_min, best.t, hit)) continue;
-    hit.primitive = ids[i];
+    if (!intersect_triangle(shear, ray.origin, triangle_in(bvh, leaf, i), t_min, best.t, hit)) continue;
+    hit.primitive = triangle_id(bvh, leaf, i);
     if (is_before(hit.t, hit.primitive, best)) best = hit;
   }
   return best;
 }
 
 // `intersect_triangle` on all triangles of a leaf at once, operation by operation. Returns whether `best`
-// changed.
-HWY_INLINE bool intersect_leaf(const LeafConstants& ray, const std::uint32_t* words, std::uint32_t count,
-                               Hit& best) {
+// changed; where any hit will do, that is all that `best` tells.
+template <bool any_hit>
+HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
+                               const Ray& ray, Hit& best) {
   using Limits = SinglePrecision;
+  const std::uint32_t count = leaf.count();
+  const std::uint32_t* words = bvh.leaves.data() + words_per_triangle * leaf.first();
   const float* rows = reinterpret_cast<const float*>(words);
-  const std::uint32_t* ids = words + 9 * count;
-  const Sheared a = shear(ray, rows, count), b = shear(ray, rows + 3 * count, count),
-                c = shear(ray, rows + 6 * count, count);
+  const Sheared a = shear(constants, rows, count), b = shear(constants, rows + 3 * count, count),
+                c = shear(constants, rows + 6 * count, count);
   const Eight u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
               w = difference_of_products(b.x, a.y, b.y, a.x);
   const Eight least = minimum(minimum(u, v), w), greatest = maximum(maximum(u, v), w);
@@ -73,23 +67,24 @@ HWY_INLINE bool intersect_leaf(const LeafConstants& ray, const std::uint32_t* wo
       ~(less(least, broadcast(-Limits::least_sign)) & less(broadcast(Limits::least_sign), greatest));
   if (candidates == 0) return false;
 
-  const Eight determinant = u + v + w;
-  const Eight inverse = broadcast(1.0f) / determinant;
-  const Eight t = (u * a.z + v * b.z + w * c.z) * inverse * ray.inverse_dz;
   const std::uint32_t trusted =
-      (less(broadcast(Limits::least_value), least) | less(greatest, broadcast(-Limits::least_value))) &
-      less(absolute(determinant), broadcast(Limits::greatest)) &
-      less(absolute(t), broadcast(Limits::greatest));
+      less(constants.least_value, least) | less(greatest, broadcast(0.0f) - constants.least_value);
   bool changed = false;
   if (HWY_UNLIKELY((candidates & ~trusted) != 0)) {
-    const Sheared corners[] = {a, b, c};
-    const Hit hit = intersect_exactly(corners, candidates & ~trusted, ray.dz, ray.t_min, ids, best);
+    const Hit hit = intersect_one_by_one(bvh, leaf, candidates & ~trusted, ray, constants.t_min, best);
     changed = hit.t != best.t || hit.primitive != best.primitive;
     best = hit;
   }
-  std::uint32_t hits =
-      candidates & trusted & less_or_equal(broadcast(ray.t_min), t) & less_or_equal(t, broadcast(best.t));
+  const Eight inverse = broadcast(1.0f) / (u + v + w);
+  const Eight t = (u * a.z + v * b.z + w * c.z) * inverse * constants.inverse_dz;
+  std::uint32_t hits = candidates & trusted & less_or_equal(broadcast(constants.t_min), t) &
+                       less_or_equal(t, broadcast(best.t));
   if (hits == 0) return changed;
+  const std::uint32_t* ids = words + 9 * count;
+  if constexpr (any_hit) {
+    best.primitive = *ids;
+    return true;
+  }
   alignas(64) float ts[8], us[8], vs[8];
   store(t, ts);
   store(v * inverse, us);

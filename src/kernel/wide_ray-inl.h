@@ -11,6 +11,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "kernel/eight_lanes-inl.h"
 #include "kernel/prepared_ray.hpp"
@@ -65,8 +66,15 @@ struct alignas(64) WideRay {
 
   float origin[3];        // along the axes of the shear
   std::uint32_t axis[3];  // these axes
-  float sx, sy, dz, inverse_dz;
+  float sx, sy, inverse_dz;
+  float least_value;  // of SinglePrecision; infinite where results might leave the range of a float
 };
+
+// What is decided in single precision, for a scene whose far side lies at `distance` along the axes: with
+// coordinates below 2^36 no determinant and no t comes near `SinglePrecision::greatest`.
+HWY_INLINE float least_value(float distance) {
+  return distance < 0x1p36f ? SinglePrecision::least_value : std::numeric_limits<float>::infinity();
+}
 
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
@@ -89,8 +97,8 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   }
   out.sx = shear.sx;
   out.sy = shear.sy;
-  out.dz = shear.dz;
   out.inverse_dz = shear.inverse_dz;
+  out.least_value = least_value(boxes.distance);
   return true;
 }
 #else
@@ -149,8 +157,8 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   }
   out.sx = direction[axes.axis[0]] / direction[kz];
   out.sy = direction[axes.axis[1]] / direction[kz];
-  out.dz = direction[kz];
   out.inverse_dz = 1.0f / direction[kz];
+  out.least_value = least_value(hn::GetLane(distance));
   return true;
 }
 #endif
@@ -203,16 +211,16 @@ struct StoredNodeConstants {
 
 // What a leaf test reads at every leaf.
 struct LeafConstants {
-  Eight origin[3], sx, sy, inverse_dz;
+  Eight origin[3], sx, sy, inverse_dz, least_value;
   std::size_t axis[3];
-  float t_min, dz;
+  float t_min;
 
   HWY_INLINE explicit LeafConstants(const WideRay& ray)
       : sx(broadcast(ray.sx)),
         sy(broadcast(ray.sy)),
         inverse_dz(broadcast(ray.inverse_dz)),
-        t_min(ray.t_min),
-        dz(ray.dz) {
+        least_value(broadcast(ray.least_value)),
+        t_min(ray.t_min) {
     for (std::size_t i = 0; i < 3; ++i) {
       origin[i] = broadcast(ray.origin[i]);
       axis[i] = ray.axis[i];

@@ -71,8 +71,7 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
         ++counters->leaves;
         counters->triangle_tests += link.count();
       }
-      if (intersect_leaf(leaf_constants, bvh.leaves.data() + words_per_triangle * link.first(), link.count(),
-                         best)) {
+      if (intersect_leaf<any_hit>(leaf_constants, bvh, link, caller_ray, best)) {
         if constexpr (any_hit) return best;
         t_best = broadcast(best.t);
       }
@@ -220,8 +219,7 @@ HWY_ATTR std::uint64_t repeat_leaf_tests(const WideBvh& bvh, const Ray& caller_r
     Hit best;
     best.t = std::min(caller_ray.t_max, std::numeric_limits<float>::max());
     __asm__ volatile("" ::: "memory");
-    sum +=
-        intersect_leaf(constants, bvh.leaves.data() + words_per_triangle * leaf.first(), leaf.count(), best);
+    sum += intersect_leaf<false>(constants, bvh, leaf, caller_ray, best);
   }
   return sum;
 }

@@ -31,13 +31,14 @@ namespace kerf {
 /// rightly.
 struct RayBoxes {
   Vec3f inverse, enter, leave;
+  float distance = 0.0f;  ///< D
 
   RayBoxes(const Vec3f& origin, const Vec3f& direction, const Box3f& scene) {
     constexpr float unit = 0x1p-24f;
     const float o[3] = {origin.x, origin.y, origin.z}, d[3] = {direction.x, direction.y, direction.z};
     const float lower[3] = {scene.lower.x, scene.lower.y, scene.lower.z};
     const float upper[3] = {scene.upper.x, scene.upper.y, scene.upper.z};
-    float distance = 0.0f, coordinate = 0.0f, largest = 0.0f;
+    float coordinate = 0.0f, largest = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
       distance = std::max({distance, std::abs(o[axis] - lower[axis]), std::abs(o[axis] - upper[axis])});
       coordinate = std::max(coordinate, std::abs(o[axis]));
