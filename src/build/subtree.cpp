@@ -70,27 +70,25 @@ bool overlap_calls_for_spatial_split(const BuildContext& context, const ChildBox
   return overlap_area > context.absolute_overlap && overlap_area >= context.relative_overlap * area;
 }
 
-HWY_NOINLINE bool split(const BuildContext& context, const NodeInput& node, NodeInput& left,
-                        NodeInput& right) {
-  Reference* const references = context.arena + node.range.begin;
-  const std::uint32_t count = node.range.count();
-  const float area = half_area(node.box);
-  if (node.doubled_centroids.lower == node.doubled_centroids.upper || must_halve(count, node.depth)) {
-    if (count <= context.max_leaf_size) return false;
-    halve(context, node, left, right);
-    return true;
-  }
+// The cheapest split of each kind.
+struct Splits {
+  ObjectSplit object;
+  SpatialSplit spatial;
+};
 
+HWY_NOINLINE Splits find_splits(const BuildContext& context, const NodeInput& node) {
+  const Reference* const references = context.arena + node.range.begin;
+  const std::uint32_t count = node.range.count();
   const bool try_space = may_split_space(context, node.range);
-  ObjectSplit object_split;
+  Splits splits{};
   ChildBoxes children{empty_box(), empty_box()};
   SpatialBins spatial_bins;
   const BinMapping spatial_mapping(node.box, spatial_bin_count);
   if (count <= sweep_limit) {
-    object_split = sweep(references, count);
+    splits.object = sweep(references, count);
     for (std::uint32_t i = 0; i < count; ++i) {
       const BoxMask is_left =
-          box_mask(doubled_centroid(references[i], object_split.axis), object_split.threshold);
+          box_mask(doubled_centroid(references[i], splits.object.axis), splits.object.threshold);
       children.left = merge_if(is_left, children.left, load_box(references[i]));
       children.right = merge_if_not(is_left, children.right, load_box(references[i]));
     }
@@ -104,15 +102,31 @@ HWY_NOINLINE bool split(const BuildContext& context, const NodeInput& node, Node
     } else {
       fill(bins, references, count, mapping, bin_count);
     }
-    object_split = cheapest(bins, count, mapping, bin_count);
-    children = child_boxes(bins, object_split, bin_count);
+    splits.object = cheapest(bins, count, mapping, bin_count);
+    children = child_boxes(bins, splits.object, bin_count);
   }
 
-  SpatialSplit spatial_split;
-  if (try_space && overlap_calls_for_spatial_split(context, children, area)) {
-    spatial_split = find_spatial_split(*context.geometry, spatial_bins, spatial_mapping, references,
-                                       node.range, node.box, object_split.cost);
+  if (try_space && overlap_calls_for_spatial_split(context, children, half_area(node.box))) {
+    splits.spatial = find_spatial_split(*context.geometry, spatial_bins, spatial_mapping, references,
+                                        node.range, node.box, splits.object.cost);
   }
+  return splits;
+}
+
+HWY_NOINLINE bool split(const BuildContext& context, const NodeInput& node, NodeInput& left,
+                        NodeInput& right) {
+  Reference* const references = context.arena + node.range.begin;
+  const std::uint32_t count = node.range.count();
+  const float area = half_area(node.box);
+  if (node.doubled_centroids.lower == node.doubled_centroids.upper || must_halve(count, node.depth)) {
+    if (count <= context.max_leaf_size) return false;
+    halve(context, node, left, right);
+    return true;
+  }
+
+  const Splits splits = find_splits(context, node);
+  const ObjectSplit& object_split = splits.object;
+  const SpatialSplit& spatial_split = splits.spatial;
   if (leaf_is_cheapest(context, count, area, HWY_MIN(object_split.cost, spatial_split.cost))) return false;
 
   if (spatial_split.cost < object_split.cost) {
@@ -228,6 +242,19 @@ void ChopReference(const Geometry& geometry, const Reference& reference, int axi
   right = to_box3f(parts.right);
 }
 
+SplitCosts BinNode(const BuildContext& context, const NodeInput& node) {
+  const Splits splits = find_splits(context, node);
+  return {splits.object.cost, splits.spatial.cost};
+}
+
+std::uint32_t PartitionReferences(Reference* references, std::uint32_t count, int axis, float position) {
+  ObjectSplit split{};
+  split.axis = axis;
+  split.scale = 1.0f;
+  split.threshold = position;
+  return partition(references, count, split).left_count;
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace kerf
@@ -239,6 +266,8 @@ namespace kerf {
 HWY_EXPORT(SplitNode);
 HWY_EXPORT(BuildSubtree);
 HWY_EXPORT(ChopReference);
+HWY_EXPORT(BinNode);
+HWY_EXPORT(PartitionReferences);
 
 bool split_node(const BuildContext& context, const NodeInput& node, NodeInput& left, NodeInput& right) {
   return HWY_DYNAMIC_DISPATCH(SplitNode)(context, node, left, right);
@@ -252,6 +281,14 @@ SubtreeSize build_subtree(const BuildContext& context, const NodeInput& node, Bi
 void chop_reference(const Geometry& geometry, const Reference& reference, int axis, float plane, Box3f& left,
                     Box3f& right) {
   HWY_DYNAMIC_DISPATCH(ChopReference)(geometry, reference, axis, plane, left, right);
+}
+
+SplitCosts bin_node(const BuildContext& context, const NodeInput& node) {
+  return HWY_DYNAMIC_DISPATCH(BinNode)(context, node);
+}
+
+std::uint32_t partition_references(Reference* references, std::uint32_t count, int axis, float position) {
+  return HWY_DYNAMIC_DISPATCH(PartitionReferences)(references, count, axis, position);
 }
 
 }  // namespace kerf

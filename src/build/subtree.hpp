@@ -39,8 +39,21 @@ struct SubtreeSize {
 SubtreeSize build_subtree(const BuildContext& context, const NodeInput& node, BinaryNode* nodes,
                           std::uint32_t* references);
 
-/// Both children of a reference that is chopped, as `chop` in math/clip.hpp: for tests and measurements.
+// The steps of a split on their own, for tests and measurements:
+
+/// Both children of a reference that is chopped, as `chop` in math/clip.hpp.
 void chop_reference(const Geometry& geometry, const Reference& reference, int axis, float plane, Box3f& left,
                     Box3f& right);
+
+/// What the cheapest splits of a node cost, half area times references summed over the children; infinite
+/// where there is none, or where the spatial one is no cheaper.
+struct SplitCosts {
+  float object, spatial;
+};
+SplitCosts bin_node(const BuildContext& context, const NodeInput& node);
+
+/// Brings the references whose doubled centroids lie below `position` to the front; returns how many they
+/// are.
+std::uint32_t partition_references(Reference* references, std::uint32_t count, int axis, float position);
 
 }  // namespace kerf
