@@ -43,14 +43,16 @@ HWY_INLINE float doubled_centroid(const Reference& reference, int axis) {
   return (&reference.lower.x)[axis] + (&reference.upper.x)[axis];
 }
 
-// One bin of each axis side by side, so that one pass over the bins evaluates three splits at a time. 128
-// bytes, so that a shift takes a bin's number to its place.
+// One bin of each axis side by side, so that one pass over the bins evaluates three splits at a time.
 struct alignas(32) ThreeBins {
   float boxes[3][8];
   std::int32_t counts[4];
 };
-constexpr int three_bins_shift = 7;
-static_assert(sizeof(ThreeBins) == 1 << three_bins_shift);
+
+// 2^16 plus a bin's number is a float whose lowest bits are the bin's distance in bytes from the first: a
+// unit of its last place is 2^-7.
+constexpr float bin_magic = 65536.0f;
+static_assert(sizeof(ThreeBins) == 1 << 7);
 
 HWY_INLINE void clear(ThreeBins* bins, int bin_count) {
   const SimdBox none = empty_box();
@@ -60,10 +62,11 @@ HWY_INLINE void clear(ThreeBins* bins, int bin_count) {
   }
 }
 
-// Adds a box to the bins at these distances in bytes from the first, one an axis.
-HWY_INLINE void add(ThreeBins* bins, hn::Vec<FourInts> offsets, const SimdBox& box) {
-  alignas(16) std::int32_t offset[4];
-  hn::Store(offsets, four_ints, offset);
+// Adds a box to the bins of these numbers, which are whole, one an axis.
+HWY_INLINE void add(ThreeBins* bins, Vec4 numbers, const SimdBox& box) {
+  alignas(16) std::uint32_t offset[4];
+  const auto bits = hn::BitCast(four_bits, hn::Add(numbers, hn::Set(four, bin_magic)));
+  hn::Store(hn::And(bits, hn::Set(four_bits, (1u << 16) - 1)), four_bits, offset);
   for (int axis = 0; axis < 3; ++axis) {
     auto& bin = *reinterpret_cast<ThreeBins*>(reinterpret_cast<std::byte*>(bins) + offset[axis]);
     store_bin(merge(load_bin(bin.boxes[axis]), box), bin.boxes[axis]);
@@ -89,18 +92,17 @@ struct BinMapping {
 
 // How a box finds its bins by its centroid.
 struct ObjectBinner {
-  Vec4 origin, scale;
-  hn::Vec<FourInts> last;
+  Vec4 origin, scale, last;
 
   HWY_INLINE void add(ThreeBins* bins, const SimdBox& box) const {
     const Vec4 place = hn::Mul(hn::Sub(doubled_centroid(box), origin), scale);
-    HWY_NAMESPACE::add(bins, hn::ShiftLeft<three_bins_shift>(hn::Min(hn::ConvertTo(four_ints, place), last)),
-                       box);
+    HWY_NAMESPACE::add(bins, hn::Min(hn::Floor(place), last), box);
   }
 };
 
 HWY_INLINE ObjectBinner object_binner(const BinMapping& mapping, int bin_count) {
-  return {hn::Load(four, mapping.origin), hn::Load(four, mapping.scale), hn::Set(four_ints, bin_count - 1)};
+  return {hn::Load(four, mapping.origin), hn::Load(four, mapping.scale),
+          hn::Set(four, static_cast<float>(bin_count - 1))};
 }
 
 HWY_NOINLINE void fill(ThreeBins* bins, const Reference* references, std::uint32_t count,

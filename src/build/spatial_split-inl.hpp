@@ -127,24 +127,23 @@ struct SpatialBins {
 
 // How a box finds the bins in which it begins and ends.
 struct SpatialBinner {
-  Vec4 origin, scale;
-  hn::Vec<FourInts> last;
+  Vec4 origin, scale, last;
 
   HWY_INLINE void add(SpatialBins& bins, const SimdBox& box) const {
     const Vec4 begin = hn::Mul(hn::Sub(lower_of(box), origin), scale);
     const Vec4 negated_end = hn::Mul(hn::Add(negated_upper_of(box), origin), scale);
     // A box that ends on a plane does not reach into the bin behind it: its last bin is the ceiling of its
-    // end less one, which is the complement of the floor of its negated end.
-    const auto first = hn::ConvertTo(four_ints, begin);
-    const auto end = hn::Not(hn::ConvertTo(four_ints, hn::Floor(negated_end)));
-    HWY_NAMESPACE::add(bins.begins, hn::ShiftLeft<three_bins_shift>(hn::Min(first, last)), box);
-    HWY_NAMESPACE::add(bins.ends, hn::ShiftLeft<three_bins_shift>(hn::Min(hn::Max(end, first), last)), box);
+    // end less one.
+    const Vec4 first = hn::Floor(begin);
+    const Vec4 end = hn::Sub(hn::Set(four, -1.0f), hn::Floor(negated_end));
+    HWY_NAMESPACE::add(bins.begins, hn::Min(first, last), box);
+    HWY_NAMESPACE::add(bins.ends, hn::Min(hn::Max(end, first), last), box);
   }
 };
 
 HWY_INLINE SpatialBinner spatial_binner(const BinMapping& mapping) {
   return {hn::Load(four, mapping.origin), hn::Load(four, mapping.scale),
-          hn::Set(four_ints, spatial_bin_count - 1)};
+          hn::Set(four, static_cast<float>(spatial_bin_count - 1))};
 }
 
 HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint32_t count,
