@@ -44,11 +44,10 @@ std::vector<Ray> rays_at(const TriangleSoup& soup, std::mt19937& random, std::si
     float u = uniform(random), v = uniform(random) * (1.0f - u);
     if (i % 4 == 1) u = v = 0.0f;  // a vertex
     if (i % 4 == 2) v = 0.0f;      // an edge
-    const Vec3f target =
-        (1.0f - u - v) * soup.vertices[first] + u * soup.vertices[first + 1] + v * soup.vertices[first + 2];
+    const auto corner = [&](std::size_t k) { return soup.vertices[soup.triangles[first + k]]; };
+    const Vec3f target = (1.0f - u - v) * corner(0) + u * corner(1) + v * corner(2);
     // every eighth ray starts in the triangle's own plane and sees it edge-on
-    const Vec3f origin = i % 8 == 7 ? target + (soup.vertices[first + 1] - soup.vertices[first]) * 3.0f
-                                    : random_point(random, reach);
+    const Vec3f origin = i % 8 == 7 ? target + (corner(1) - corner(0)) * 3.0f : random_point(random, reach);
     rays.push_back({.origin = origin, .direction = target - origin});
   }
   return rays;

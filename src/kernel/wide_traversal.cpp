@@ -11,7 +11,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernel/wide_traversal.cpp"
-#define HWY_DISABLED_TARGETS HWY_SSSE3  // such old machines take the scalar one
+#define HWY_DISABLED_TARGETS HWY_SSSE3  // such old machines take the scalar one,
+#define HWY_BROKEN_EMU128 1             // which is one number at a time under every compiler
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
