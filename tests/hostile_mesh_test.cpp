@@ -1,10 +1,12 @@
 // Meshes that nobody means to give: each builds with every builder, and all of them then give the same
 // answers.
+#include <numeric>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "adversarial.hpp"
+#include "brute_force.hpp"
 #include "build_options.hpp"
 #include "exact_oracle.hpp"
 
@@ -106,6 +108,38 @@ TEST(HostileMeshes, EveryBuilderGivesTheSameAnswers) {
       }
     }
   }
+}
+
+// Distances along such rays overflow, and boxes are then met that no ray meets: those of unused slots, too.
+TEST(HostileMeshes, OfOrdersOfMagnitudeApartOnlyTrianglesAreHit) {
+  std::mt19937 random(5);
+  const auto wild = [&] {
+    return std::ldexp(uniform(random, -1.0f, 1.0f), static_cast<int>(random() % 265) - 140);
+  };
+  std::size_t hits = 0;
+  for (int scene = 0; scene < 200; ++scene) {
+    std::vector<Vec3f> vertices(3 * (1 + random() % 20));
+    for (Vec3f& vertex : vertices) vertex = {wild(), wild(), random() % 2 ? wild() : 0.0f};
+    std::vector<std::uint32_t> indices(vertices.size());
+    std::iota(indices.begin(), indices.end(), 0u);
+    const TriangleMesh mesh{.vertices = vertices, .triangles = indices};
+    const Bvh bvh = build(mesh);
+    for (int i = 0; i < 200; ++i) {
+      const Vec3f& a = vertices[random() % vertices.size()];
+      const Vec3f& b = vertices[random() % vertices.size()];
+      const float s = uniform(random, 0.0f, 1.0f);
+      const Ray ray{.origin = s * a + (1.0f - s) * b, .direction = {wild(), wild(), wild()}};
+      const auto hit = bvh.intersect(ray);
+      if (!hit) continue;
+      ASSERT_LT(hit->primitive, indices.size() / 3);
+      const std::span own = std::span(indices).subspan(3 * hit->primitive, 3);
+      const auto alone = brute_force({.vertices = vertices, .triangles = own}, ray);
+      ASSERT_TRUE(alone.has_value()) << "scene " << scene << ", ray " << i;
+      EXPECT_EQ(alone->t, hit->t);
+      ++hits;
+    }
+  }
+  EXPECT_GT(hits, 100u);
 }
 
 TEST(HostileMeshes, CoordinatesBeyondAQuarterOfTheRangeAreRefused) {

@@ -28,10 +28,6 @@ void check_meshes(const Bvh::Structure& structure) {
   }
 }
 
-bool is_unused(const WideNode& node, std::uint32_t slot) {
-  return child_box(node, slot) == Box3f{} && node.children[slot].bits() == ChildLink::leaf(0, 1).bits();
-}
-
 // Whether the order names each of the eight slots once, and nothing above its 24 bits.
 bool is_permutation(std::uint32_t order) {
   std::uint32_t named = 0;
@@ -76,8 +72,11 @@ class NodeChecks {
       refuse("a node whose visiting order does not name each child once", number);
     }
     for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
-      if (is_unused(node, slot)) continue;
       const Box3f box = child_box(node, slot);
+      if (box == Box3f{}) {
+        check_unused(node.children[slot], number);
+        continue;
+      }
       if (!is_finite(box.lower) || !is_finite(box.upper) || box.empty())
         refuse("a node with an impossible box", number);
       const ChildLink child = node.children[slot];
@@ -93,6 +92,14 @@ class NodeChecks {
     }
   }
 
+  // Arithmetic on the strangest rays may lead there. As a rule they all name the same leaf.
+  void check_unused(ChildLink child, std::uint32_t number) {
+    if (!child.is_leaf()) refuse("an unused slot that names a node", number);
+    if (child.bits() == unused_.bits()) return;
+    check_leaf(child);
+    unused_ = child;
+  }
+
   void check_leaf(ChildLink leaf) const {
     if (leaf.first() + leaf.count() > references_) refuse("a leaf outside the triangles", leaf.first());
     const std::uint32_t* words = wide_.leaves.data() + words_per_triangle * leaf.first();
@@ -106,6 +113,7 @@ class NodeChecks {
   const WideBvh& wide_;
   std::uint32_t triangles_;
   std::size_t references_;
+  ChildLink unused_;                  // of an unused slot, checked; a node until there is one
   std::vector<std::uint8_t> depths_;  // of each node; 0 until a link to it is met
 };
 static_assert(max_tree_depth < 255);

@@ -46,7 +46,8 @@ class ChildLink {
   std::uint32_t bits_ = 0;
 };
 
-/// Four cache lines. Children fill the slots from 0 up; an unused slot has a box that nothing meets.
+/// Four cache lines. Children fill the slots from 0 up; an unused slot has an empty box, and
+/// names the leaf at place 0.
 struct alignas(64) WideNode {
   float planes[3][2][wide_node_children];  ///< [axis][lower, upper][child]
   ChildLink children[wide_node_children];

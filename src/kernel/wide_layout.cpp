@@ -209,6 +209,7 @@ class Layout {
     nodes_ = AlignedArray<WideNode>(total_.nodes);
     leaves_ = AlignedArray<std::uint32_t>(words_per_triangle * total_.triangles + leaf_padding_words);
     std::fill_n(leaves_.data() + words_per_triangle * total_.triangles, leaf_padding_words, 0u);
+    first_leaf_ = first_leaf();
     parallel_for(sections_.size(), [&](std::size_t i) { write_section(sections_[i]); });
     for (std::size_t i = sections_.size(); i-- > 0;) {  // children come after their parents
       Section& section = sections_[i];
@@ -235,6 +236,20 @@ class Layout {
   }
 
  private:
+  // Where distances overflow, a ray may meet even the box of an unused slot, whose link therefore is that of
+  // a leaf, exactly as it is: what is found there is a hit like any other. This is the leaf at place 0.
+  ChildLink first_leaf() const {
+    const auto section = std::find_if(sections_.begin(), sections_.end(),
+                                      [](const Section& s) { return s.size.triangles != 0; });
+    for (std::uint32_t binary = section->binary;;) {
+      const Collapse::Children children = collapse_.children(binary);
+      for (std::uint32_t i = 0; i < children.count; ++i) {
+        if (collapse_.is_leaf(children.node[i])) return ChildLink::leaf(0, count_triangles(children.node[i]));
+      }
+      binary = children.node[0];
+    }
+  }
+
   void find_sections(std::uint32_t binary, std::uint32_t parent, std::uint32_t slot, std::uint32_t depth) {
     const auto number = static_cast<std::uint32_t>(sections_.size());
     const bool is_subtree = !collapse_.is_large(binary, large_bits);
@@ -307,8 +322,7 @@ class Layout {
     write_boxes(tree_, children, node);
     for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
       if (slot >= children.count) {
-        // Names a real leaf, so that no arithmetic on the strangest ray leads outside.
-        node.children[slot] = ChildLink::leaf(0, 1);
+        node.children[slot] = first_leaf_;
       } else if (collapse_.is_leaf(children.node[slot])) {
         const std::uint32_t count = count_triangles(children.node[slot]);
         node.children[slot] = ChildLink::leaf(static_cast<std::uint32_t>(next.triangles), count);
@@ -362,6 +376,7 @@ class Layout {
   std::uint32_t depth_ = 0;
   AlignedArray<WideNode> nodes_;
   AlignedArray<std::uint32_t> leaves_;
+  ChildLink first_leaf_;
 };
 
 }  // namespace
