@@ -148,7 +148,7 @@ class Driver {
 
 // Spatial splits of smaller nodes are rarely found and gain little: trying them only here costs 0.1 % of the
 // surface-area cost on sponza and saves half the time (docs/decisions.md). With an alpha of 0, all are tried.
-constexpr std::uint32_t worthwhile_count = 64;
+constexpr std::uint32_t worthwhile_count = 96;
 constexpr float worthwhile_overlap = 0.05f;
 
 bool splits_space(const BuildOptions& options) {
