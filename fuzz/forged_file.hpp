@@ -2,6 +2,7 @@
 // loads.
 #pragma once
 
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <span>
@@ -11,6 +12,7 @@
 
 #include "io/checksum.hpp"
 #include "io/file_image.hpp"
+#include "structure.hpp"
 #include "tree/aligned_array.hpp"
 
 namespace forged {
@@ -44,7 +46,15 @@ inline kerf::Bvh load(std::span<const std::byte> bytes) {
   return kerf::Bvh(kerf::read_image({image.data(), image.size()}, image.owner()));
 }
 
-/// Asks every kind of question. The answers may be any: they must come, and come from inside the structure.
+/// Ends the program unless `answer` names a triangle that there is.
+template <class Answer>
+void check_name(const kerf::Bvh& bvh, const Answer& answer) {
+  const auto& first = bvh.structure().first_triangles;
+  if (answer.mesh + 1 >= first.size() || answer.primitive >= first[answer.mesh + 1] - first[answer.mesh])
+    std::abort();
+}
+
+/// Asks every kind of question. The answers may be any: they must come, and name triangles that there are.
 inline void question(const kerf::Bvh& bvh) {
   const kerf::Box3f bounds = bvh.bounds();
   const kerf::Vec3f points[] = {{0.1f, 0.2f, 0.3f}, bounds.lower, {0, 0, 0}, {5, -7, 3}};
@@ -52,15 +62,15 @@ inline void question(const kerf::Bvh& bvh) {
     for (const kerf::Vec3f& direction :
          {kerf::Vec3f{1, 0, 0}, {-1, -1, -1}, {0.3f, -0.5f, 0.7f}, {0, 1e-30f, -1}}) {
       const kerf::Ray ray{.origin = origin, .direction = direction};
-      (void)bvh.intersect(ray);
+      if (const auto hit = bvh.intersect(ray)) check_name(bvh, *hit);
       (void)bvh.occluded(ray);
-      (void)bvh.all_hits(ray, std::span<kerf::Hit>());
+      bvh.all_hits(ray, [&](const kerf::Hit& hit) { check_name(bvh, hit); });
     }
     (void)bvh.contains(origin);
-    (void)bvh.closest_point(origin);
-    (void)bvh.within(origin, 0.5f);
+    if (const auto closest = bvh.closest_point(origin)) check_name(bvh, *closest);
+    for (const auto& near : bvh.within(origin, 0.5f)) check_name(bvh, near);
   }
-  (void)bvh.triangles_in({{-1, -1, -1}, {0.5f, 0.5f, 0.5f}});
+  for (const auto& place : bvh.triangles_in({{-1, -1, -1}, {0.5f, 0.5f, 0.5f}})) check_name(bvh, place);
 }
 
 }  // namespace forged
