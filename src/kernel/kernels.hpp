@@ -13,7 +13,7 @@ namespace kerf {
 
 /// A good number of rays to give a thread at once: enough that the first and the last few in flight, which
 /// have the core to themselves, do not count.
-inline constexpr std::size_t rays_a_part = 2048;
+inline constexpr std::size_t rays_a_part = 1024;
 
 /// All of them return the same hits; a hit's `primitive` is a triangle's number in the `Geometry`, its `mesh`
 /// unset. The hierarchy must not be empty.
