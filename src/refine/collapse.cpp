@@ -6,24 +6,61 @@
 
 #include "parallel.hpp"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "refine/collapse.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef KERF_REFINE_COLLAPSE_DISTRIBUTION
+#define KERF_REFINE_COLLAPSE_DISTRIBUTION
 namespace kerf {
 namespace {
 
 constexpr std::uint32_t slots = 8;
-constexpr std::uint32_t max_leaf_references = 8;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Both halves of a subtree with more nodes than this are solved at once.
-constexpr std::uint32_t task_nodes = 4096;
-
 // D(n, i) and the k that gives it, the lowest of several, for all i = 1 .. 8 at once: element i - 1 takes
-// C(left, k) + C(right, i - k). D(n, 1) is infinite. Loops that compilers make vectors of.
+// C(left, k) + C(right, i - k). D(n, 1) is infinite.
 struct Distribution {
-  float cost[slots];
-  std::int32_t left_share[slots];
+  alignas(32) float cost[slots];
+  alignas(32) std::int32_t left_share[slots];
 };
 
-void distribute(const float* left, const float* right, Distribution& to) {
+}  // namespace
+}  // namespace kerf
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+namespace {
+
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+void Distribute(const float* left, const float* right, Distribution& to) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  constexpr hn::FixedTag<float, slots> eight;
+  constexpr hn::FixedTag<std::int32_t, slots> ints;
+  constexpr std::int32_t last = slots - 1;
+  // Lane i - 1 of the k-th takes lane i - k - 1, or, where there is none, the last, which is made infinite.
+  alignas(32) static constexpr std::int32_t lanes[last][slots] = {
+      {7, 0, 1, 2, 3, 4, 5, 6}, {7, 7, 0, 1, 2, 3, 4, 5}, {7, 7, 7, 0, 1, 2, 3, 4}, {7, 7, 7, 7, 0, 1, 2, 3},
+      {7, 7, 7, 7, 7, 0, 1, 2}, {7, 7, 7, 7, 7, 7, 0, 1}, {7, 7, 7, 7, 7, 7, 7, 0}};
+  const auto none = hn::Set(eight, infinity);
+  const auto costs = hn::IfThenElse(hn::FirstN(eight, slots - 1), hn::LoadU(eight, right), none);
+  auto least = none;
+  auto share = hn::Set(ints, 1);
+  for (std::int32_t k = 1; k <= last; ++k) {
+    const auto shifted = hn::TableLookupLanes(costs, hn::SetTableIndices(eight, lanes[k - 1]));
+    const auto sum = hn::Add(hn::Set(eight, left[k - 1]), shifted);
+    const auto better = hn::Lt(sum, least);
+    least = hn::IfThenElse(better, sum, least);
+    share = hn::IfThenElse(hn::RebindMask(ints, better), hn::Set(ints, k), share);
+  }
+  hn::Store(least, eight, to.cost);
+  hn::Store(share, ints, to.left_share);
+}
+#else
+void Distribute(const float* left, const float* right, Distribution& to) {
   float shifted[2 * slots];  // from slots - k on, it begins with k that are infinite
   std::fill_n(shifted, slots, infinity);
   std::copy_n(right, slots, shifted + slots);
@@ -38,6 +75,23 @@ void distribute(const float* left, const float* right, Distribution& to) {
     }
   }
 }
+#endif
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf {
+namespace {
+
+HWY_EXPORT(Distribute);
+
+constexpr std::uint32_t max_leaf_references = 8;
+
+// Both halves of a subtree with more nodes than this are solved at once.
+constexpr std::uint32_t task_nodes = 4096;
 
 // The same where one subtree is a leaf, which costs no less with more slots: it takes one, the other the
 // rest.
@@ -105,7 +159,7 @@ void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right
   } else if (right.is_binary_leaf) {
     distribute_beside_leaf(right.of[0], left.of, false, best);
   } else {
-    distribute(left.of, right.of, best);
+    HWY_DYNAMIC_DISPATCH(Distribute)(left.of, right.of, best);
   }
   const float area = half_area(tree_->nodes[node].bounds);
   costs.references = left.references + right.references;
@@ -158,3 +212,4 @@ Collapse::Children Collapse::children(std::uint32_t node) const {
 }
 
 }  // namespace kerf
+#endif
