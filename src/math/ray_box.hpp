@@ -23,8 +23,9 @@ namespace kerf {
 ///
 ///     the shear of a triangle's vertices      6 D     (a difference, a quotient, a product, a difference)
 ///     inverse, the plane's distance           2 D
-///     the triangle's t                       13 D     (weights of two products' difference, their mean, two
-///     products) plane times inverse, where not fused    1 D + 1 O origin times inverse, the constants 2 O
+///     the triangle's t: weights, mean        13 D     (each a difference of two products, two products more)
+///     plane times inverse, where not fused    1 D + 1 O
+///     origin times inverse, the constants             2 O
 ///     directions lifted to the least          1/4 D
 ///
 /// The triangle's t itself lies in the grown box up to its rounding, so that what is culled by t is culled
