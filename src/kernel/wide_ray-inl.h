@@ -136,8 +136,10 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
                                                  hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.upper.x)))));
   // No coordinate of the origin exceeds distance + largest_coordinate: this is the margin of `RayBoxes`, or
   // more.
-  const Four margin = hn::Mul(hn::Set(tag, 0x1p-24f), hn::Add(hn::Mul(distance, hn::Set(tag, 28.0f)),
-                                                              hn::Set(tag, 4.0f * bvh.largest_coordinate)));
+  const Four margin = hn::Mul(
+      hn::Set(tag, 0x1p-24f),
+      hn::Add(hn::Mul(distance, hn::Set(tag, RayBoxes::margin_of_distance + RayBoxes::margin_of_origin)),
+              hn::Set(tag, RayBoxes::margin_of_origin * bvh.largest_coordinate)));
   const Four positive =
       hn::Div(hn::Set(tag, 1.0f), hn::Max(absolute, hn::Mul(largest, hn::Set(tag, 0x1p-26f))));
   const Four inverse = hn::CopySign(positive, d);

@@ -31,6 +31,9 @@ namespace kerf {
 /// The triangle's t itself lies in the grown box up to its rounding, so that what is culled by t is culled
 /// rightly.
 struct RayBoxes {
+  /// The sums of D and of O, or more.
+  static constexpr float margin_of_distance = 24.0f, margin_of_origin = 4.0f;
+
   Vec3f inverse, enter, leave;
   float distance = 0.0f;  ///< D
 
@@ -45,7 +48,7 @@ struct RayBoxes {
       coordinate = std::max(coordinate, std::abs(o[axis]));
       largest = std::max(largest, std::abs(d[axis]));
     }
-    const float margin = unit * (24.0f * distance + 4.0f * coordinate);
+    const float margin = unit * (margin_of_distance * distance + margin_of_origin * coordinate);
     const float least = 0x1p-26f * largest;  // moves the ray by no more than a quarter of a unit of D
     float r[3], e[3], l[3];
     for (int axis = 0; axis < 3; ++axis) {
