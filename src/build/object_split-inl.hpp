@@ -8,9 +8,9 @@
 #define KERF_BUILD_OBJECT_SPLIT_INL
 #endif
 
-#include <array>
 #include <cstring>
 
+#include "build/bins-inl.hpp"
 #include "build/simd_box-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -43,60 +43,13 @@ HWY_INLINE float doubled_centroid(const Reference& reference, int axis) {
   return (&reference.lower.x)[axis] + (&reference.upper.x)[axis];
 }
 
-// One bin of each axis side by side, so that one pass over the bins evaluates three splits at a time.
-struct alignas(32) ThreeBins {
-  float boxes[3][8];
-  std::int32_t counts[4];
-};
-
-// 2^16 plus a bin's number is a float whose lowest bits are the bin's distance in bytes from the first: a
-// unit of its last place is 2^-7.
-constexpr float bin_magic = 65536.0f;
-static_assert(sizeof(ThreeBins) == 1 << 7);
-
-HWY_INLINE void clear(ThreeBins* bins, int bin_count) {
-  const SimdBox none = empty_box();
-  for (int i = 0; i < bin_count; ++i) {
-    for (int axis = 0; axis < 3; ++axis) store_bin(none, bins[i].boxes[axis]);
-    hn::Store(hn::Zero(four_ints), four_ints, bins[i].counts);
-  }
-}
-
-// Adds a box to the bins of these numbers, which are whole, one an axis.
-HWY_INLINE void add(ThreeBins* bins, Vec4 numbers, const SimdBox& box) {
-  alignas(16) std::uint32_t offset[4];
-  const auto bits = hn::BitCast(four_bits, hn::Add(numbers, hn::Set(four, bin_magic)));
-  hn::Store(hn::And(bits, hn::Set(four_bits, (1u << 16) - 1)), four_bits, offset);
-  for (int axis = 0; axis < 3; ++axis) {
-    auto& bin = *reinterpret_cast<ThreeBins*>(reinterpret_cast<std::byte*>(bins) + offset[axis]);
-    store_bin(merge(load_bin(bin.boxes[axis]), box), bin.boxes[axis]);
-    ++bin.counts[axis];
-  }
-}
-
-// From coordinates to bins on three axes; an axis too short to be parted has scale 0.
-struct BinMapping {
-  alignas(16) float origin[4];
-  alignas(16) float scale[4];
-
-  BinMapping(const Box3f& box, int bins) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const float size = box.upper[axis] - box.lower[axis];
-      const float s = static_cast<float>(bins) / size;
-      origin[axis] = box.lower[axis];
-      scale[axis] = size > 0.0f && s <= std::numeric_limits<float>::max() ? s : 0.0f;
-    }
-    origin[3] = scale[3] = 0.0f;
-  }
-};
-
 // How a box finds its bins by its centroid.
 struct ObjectBinner {
   Vec4 origin, scale, last;
 
-  HWY_INLINE void add(ThreeBins* bins, const SimdBox& box) const {
+  HWY_INLINE void add(Bins& bins, const SimdBox& box, const SimdBox& counted) const {
     const Vec4 place = hn::Mul(hn::Sub(doubled_centroid(box), origin), scale);
-    HWY_NAMESPACE::add(bins, hn::Min(hn::Floor(place), last), box);
+    HWY_NAMESPACE::add(bins, hn::Min(hn::Floor(place), last), counted);
   }
 };
 
@@ -105,22 +58,25 @@ HWY_INLINE ObjectBinner object_binner(const BinMapping& mapping, int bin_count) 
           hn::Set(four, static_cast<float>(bin_count - 1))};
 }
 
-HWY_NOINLINE void fill(ThreeBins* bins, const Reference* references, std::uint32_t count,
+HWY_NOINLINE void fill(Bins& bins, const Reference* references, std::uint32_t count,
                        const BinMapping& mapping, int bin_count) {
   const ObjectBinner binner = object_binner(mapping, bin_count);
   clear(bins, bin_count);
-  for (std::uint32_t i = 0; i < count; ++i) binner.add(bins, load_box(references[i]));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const SimdBox box = load_box(references[i]);
+    binner.add(bins, box, counted_once(box));
+  }
 }
 
 // The cheapest plane between bins, over three axes at a time.
-HWY_NOINLINE ObjectSplit cheapest(const ThreeBins* bins, std::uint32_t count, const BinMapping& mapping,
+HWY_NOINLINE ObjectSplit cheapest(const Bins& bins, std::uint32_t count, const BinMapping& mapping,
                                   int bin_count) {
-  alignas(16) float right_areas[object_bin_count][4];
+  alignas(16) float right_areas[max_bin_count][4];
   SimdBox x = empty_box(), y = x, z = x;
   for (int i = bin_count - 1; i > 0; --i) {
-    x = merge(x, load_bin(bins[i].boxes[0]));
-    y = merge(y, load_bin(bins[i].boxes[1]));
-    z = merge(z, load_bin(bins[i].boxes[2]));
+    x = merge(x, bins.box(0, i));
+    y = merge(y, bins.box(1, i));
+    z = merge(z, bins.box(2, i));
     hn::Store(half_areas(x, y, z), four, right_areas[i]);
   }
   x = y = z = empty_box();
@@ -128,10 +84,10 @@ HWY_NOINLINE ObjectSplit cheapest(const ThreeBins* bins, std::uint32_t count, co
   const Vec4 total = hn::Set(four, static_cast<float>(count));
   Vec4 best_cost = hn::Set(four, infinity), best_plane = hn::Zero(four);
   for (int i = 1; i < bin_count; ++i) {
-    x = merge(x, load_bin(bins[i - 1].boxes[0]));
-    y = merge(y, load_bin(bins[i - 1].boxes[1]));
-    z = merge(z, load_bin(bins[i - 1].boxes[2]));
-    left = hn::Add(left, hn::Load(four_ints, bins[i - 1].counts));
+    x = merge(x, bins.box(0, i - 1));
+    y = merge(y, bins.box(1, i - 1));
+    z = merge(z, bins.box(2, i - 1));
+    left = hn::Add(left, bins.counts(i - 1));
     const Vec4 left_count = hn::ConvertTo(four, left);
     // An empty side has infinite area and no references: not a number, which is less than nothing.
     const Vec4 cost = hn::Add(hn::Mul(half_areas(x, y, z), left_count),
@@ -153,12 +109,11 @@ HWY_NOINLINE ObjectSplit cheapest(const ThreeBins* bins, std::uint32_t count, co
 }
 
 // What the children of a binned split would enclose.
-HWY_INLINE ChildBoxes child_boxes(const ThreeBins* bins, const ObjectSplit& split, int bin_count) {
+HWY_INLINE ChildBoxes child_boxes(const Bins& bins, const ObjectSplit& split, int bin_count) {
   ChildBoxes boxes{empty_box(), empty_box()};
   const int plane = static_cast<int>(split.threshold);
-  for (int i = 0; i < plane; ++i) boxes.left = merge(boxes.left, load_bin(bins[i].boxes[split.axis]));
-  for (int i = plane; i < bin_count; ++i)
-    boxes.right = merge(boxes.right, load_bin(bins[i].boxes[split.axis]));
+  for (int i = 0; i < plane; ++i) boxes.left = merge(boxes.left, bins.box(split.axis, i));
+  for (int i = plane; i < bin_count; ++i) boxes.right = merge(boxes.right, bins.box(split.axis, i));
   return boxes;
 }
 

@@ -32,12 +32,16 @@ constexpr hn::FixedTag<std::uint32_t, 4> four_bits;
 // machines a hundred cycles in every sum: without this mask, binning took four times as long.
 alignas(32) constexpr std::uint32_t corner_lanes[8] = {~0u, ~0u, ~0u, 0, ~0u, ~0u, ~0u, 0};
 
+alignas(32) constexpr std::uint32_t infinite_fourth_lane[8] = {0, 0, 0, 0x7f800000, 0, 0, 0, 0};
+alignas(32) constexpr std::int32_t one_reference_lanes[8] = {0, 0, 0, 1, 0, 0, 0, 0};
+
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
 using Eight = hn::FixedTag<float, 8>;
 constexpr Eight eight;
 constexpr hn::FixedTag<std::uint32_t, 8> eight_bits;
+constexpr hn::FixedTag<std::int32_t, 8> eight_ints;
 
 struct SimdBox {
   hn::Vec<Eight> halves;
@@ -73,6 +77,15 @@ HWY_INLINE SimdBox load_box(const Reference& reference) {
   const auto bits = hn::BitCast(eight_bits, hn::LoadU(eight, &reference.lower.x));
   const auto corners = hn::BitCast(eight, hn::And(bits, hn::Load(eight_bits, corner_lanes)));
   return {hn::Xor(corners, signs)};
+}
+// See bins-inl.hpp: a box that leaves the fourth lane of a bin alone when it is merged into it, and a bin
+// with one reference more.
+HWY_INLINE SimdBox counted_once(const SimdBox& box) {
+  return {hn::Or(box.halves, hn::Load(eight, reinterpret_cast<const float*>(infinite_fourth_lane)))};
+}
+HWY_INLINE SimdBox count_one(const SimdBox& box) {
+  const auto sum = hn::Add(hn::BitCast(eight_ints, box.halves), hn::Load(eight_ints, one_reference_lanes));
+  return {hn::BitCast(eight, sum)};
 }
 HWY_INLINE BoxMask box_mask(float a, float b) {
   return hn::Lt(hn::Set(eight, a), hn::Set(eight, b));
@@ -127,6 +140,14 @@ HWY_INLINE SimdBox load_box(const Reference& reference) {
         four, hn::And(hn::BitCast(four_bits, hn::LoadU(four, from)), hn::Load(four_bits, corner_lanes)));
   };
   return {corner(&reference.lower.x), hn::Neg(corner(&reference.upper.x))};
+}
+HWY_INLINE SimdBox counted_once(const SimdBox& box) {
+  const Vec4 lane = hn::Load(four, reinterpret_cast<const float*>(infinite_fourth_lane));
+  return {hn::Or(box.lower, lane), box.negated_upper};
+}
+HWY_INLINE SimdBox count_one(const SimdBox& box) {
+  const auto sum = hn::Add(hn::BitCast(four_ints, box.lower), hn::Load(four_ints, one_reference_lanes));
+  return {hn::BitCast(four, sum), box.negated_upper};
 }
 HWY_INLINE BoxMask box_mask(float a, float b) {
   return hn::Lt(hn::Set(four, a), hn::Set(four, b));

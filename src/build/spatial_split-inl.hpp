@@ -121,23 +121,22 @@ HWY_NOINLINE ChildBoxes chop(const Geometry& geometry, const Reference& referenc
 // bins than for one in a single bin. In the second, the triangles themselves are chopped, but at the best
 // plane of each axis alone.
 struct SpatialBins {
-  ThreeBins begins[spatial_bin_count];
-  ThreeBins ends[spatial_bin_count];
+  Bins begins, ends;
 };
 
 // How a box finds the bins in which it begins and ends.
 struct SpatialBinner {
   Vec4 origin, scale, last;
 
-  HWY_INLINE void add(SpatialBins& bins, const SimdBox& box) const {
+  HWY_INLINE void add(SpatialBins& bins, const SimdBox& box, const SimdBox& counted) const {
     const Vec4 begin = hn::Mul(hn::Sub(lower_of(box), origin), scale);
     const Vec4 negated_end = hn::Mul(hn::Add(negated_upper_of(box), origin), scale);
     // A box that ends on a plane does not reach into the bin behind it: its last bin is the ceiling of its
     // end less one.
     const Vec4 first = hn::Floor(begin);
     const Vec4 end = hn::Sub(hn::Set(four, -1.0f), hn::Floor(negated_end));
-    HWY_NAMESPACE::add(bins.begins, hn::Min(first, last), box);
-    HWY_NAMESPACE::add(bins.ends, hn::Min(hn::Max(end, first), last), box);
+    HWY_NAMESPACE::add(bins.begins, hn::Min(first, last), counted);
+    HWY_NAMESPACE::add(bins.ends, hn::Min(hn::Max(end, first), last), counted);
   }
 };
 
@@ -151,13 +150,16 @@ HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint
   const SpatialBinner binner = spatial_binner(mapping);
   clear(bins.begins, spatial_bin_count);
   clear(bins.ends, spatial_bin_count);
-  for (std::uint32_t i = 0; i < count; ++i) binner.add(bins, load_box(references[i]));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const SimdBox box = load_box(references[i]);
+    binner.add(bins, box, counted_once(box));
+  }
 }
 
 // Both kinds of bins in one pass. Where spatial splits are possible at all, nearly all nodes come to look at
 // them (19 of 20 references on sponza and a dragon), and neighbours often fall into the same bin, which the
 // second must wait for: there is more to do meanwhile.
-HWY_NOINLINE void fill(ThreeBins* object_bins, const BinMapping& object_mapping, int object_bin_count,
+HWY_NOINLINE void fill(Bins& object_bins, const BinMapping& object_mapping, int object_bin_count,
                        SpatialBins& spatial_bins, const BinMapping& spatial_mapping,
                        const Reference* references, std::uint32_t count) {
   const ObjectBinner object = object_binner(object_mapping, object_bin_count);
@@ -167,8 +169,9 @@ HWY_NOINLINE void fill(ThreeBins* object_bins, const BinMapping& object_mapping,
   clear(spatial_bins.ends, spatial_bin_count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const SimdBox box = load_box(references[i]);
-    object.add(object_bins, box);
-    spatial.add(spatial_bins, box);
+    const SimdBox counted = counted_once(box);
+    object.add(object_bins, box, counted);
+    spatial.add(spatial_bins, box, counted);
   }
 }
 
@@ -208,9 +211,9 @@ HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3
   alignas(16) float right_areas[spatial_bin_count][4];
   SimdBox x = empty_box(), y = x, z = x;
   for (int i = spatial_bin_count - 1; i > 0; --i) {
-    x = merge(x, load_bin(bins.ends[i].boxes[0]));
-    y = merge(y, load_bin(bins.ends[i].boxes[1]));
-    z = merge(z, load_bin(bins.ends[i].boxes[2]));
+    x = merge(x, bins.ends.box(0, i));
+    y = merge(y, bins.ends.box(1, i));
+    z = merge(z, bins.ends.box(2, i));
     const Vec4 areas = half_areas(intersect(x, behind[0].at(i)), intersect(y, behind[1].at(i)),
                                   intersect(z, behind[2].at(i)));
     hn::Store(areas, four, right_areas[i]);
@@ -220,11 +223,11 @@ HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3
   const Vec4 most = hn::Set(four, static_cast<float>(count) + static_cast<float>(slack));
   Vec4 best_cost = hn::Set(four, infinity), best_number = hn::Zero(four);
   for (int i = 1; i < spatial_bin_count; ++i) {
-    x = merge(x, load_bin(bins.begins[i - 1].boxes[0]));
-    y = merge(y, load_bin(bins.begins[i - 1].boxes[1]));
-    z = merge(z, load_bin(bins.begins[i - 1].boxes[2]));
-    left = hn::Add(left, hn::Load(four_ints, bins.begins[i - 1].counts));
-    right = hn::Sub(right, hn::Load(four_ints, bins.ends[i - 1].counts));
+    x = merge(x, bins.begins.box(0, i - 1));
+    y = merge(y, bins.begins.box(1, i - 1));
+    z = merge(z, bins.begins.box(2, i - 1));
+    left = hn::Add(left, bins.begins.counts(i - 1));
+    right = hn::Sub(right, bins.ends.counts(i - 1));
     const Vec4 left_count = hn::ConvertTo(four, left), right_count = hn::ConvertTo(four, right);
     const Vec4 left_areas = half_areas(intersect(x, before[0].at(i)), intersect(y, before[1].at(i)),
                                        intersect(z, before[2].at(i)));
@@ -259,12 +262,12 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
   SimdBox left = empty_box(), right = left;
   std::int32_t left_count = 0, right_count = 0, straddling = static_cast<std::int32_t>(count);
   for (int i = 0; i < number; ++i) {  // those wholly on the left end there
-    left = merge(left, load_bin(bins.ends[i].boxes[axis]));
-    left_count += bins.ends[i].counts[axis];
+    left = merge(left, bins.ends.box(axis, i));
+    left_count += bins.ends.count(axis, i);
   }
   for (int i = number; i < spatial_bin_count; ++i) {
-    right = merge(right, load_bin(bins.begins[i].boxes[axis]));
-    right_count += bins.begins[i].counts[axis];
+    right = merge(right, bins.begins.box(axis, i));
+    right_count += bins.begins.count(axis, i);
   }
   straddling -= left_count + right_count;
   // Chopping what straddles the plane can only add to these boxes, and nearly always adds to both counts.

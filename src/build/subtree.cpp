@@ -97,7 +97,7 @@ HWY_NOINLINE Splits find_splits(const BuildContext& context, const NodeInput& no
   } else {
     const int bin_count = count <= few_references ? few_object_bin_count : object_bin_count;
     const BinMapping mapping(node.doubled_centroids, bin_count);
-    ThreeBins bins[object_bin_count];
+    Bins bins;
     if (try_space) {
       fill(bins, mapping, bin_count, spatial_bins, spatial_mapping, references, count);
     } else {

@@ -1,0 +1,95 @@
+// Bins on three axes, which object splits fill by centroids and spatial splits by where boxes begin and end.
+// Included once for each instruction set: see subtree.cpp.
+
+#if defined(KERF_BUILD_BINS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_BUILD_BINS_INL
+#undef KERF_BUILD_BINS_INL
+#else
+#define KERF_BUILD_BINS_INL
+#endif
+
+#include <cstddef>
+
+#include "build/simd_box-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+
+constexpr int max_bin_count = 32;
+
+// A bin's number of references stands in the unused fourth lane of its box, so that both are one load and one
+// store. To be left alone by the minimum that merges boxes it is a positive float: the least normal one
+// stands for 0, the next for 1. (Denormal ones are slow on some machines.)
+constexpr std::int32_t no_references = 0x00800000;
+
+alignas(32) constexpr std::uint32_t empty_bin_lanes[8] = {0x7f800000, 0x7f800000, 0x7f800000, no_references,
+                                                          0x7f800000, 0x7f800000, 0x7f800000, 0x7f800000};
+
+// The bins of each axis lie in a row.
+struct alignas(32) Bins {
+  float boxes[3][max_bin_count][8];
+
+  HWY_INLINE SimdBox box(int axis, int i) const { return load_bin(boxes[axis][i]); }
+
+  HWY_INLINE std::int32_t count(int axis, int i) const {
+    std::int32_t lane;
+    std::memcpy(&lane, boxes[axis][i] + 3, sizeof lane);
+    return lane - no_references;
+  }
+
+  // The counts of the i-th bin of each axis, in three lanes.
+  HWY_INLINE hn::Vec<FourInts> counts(int i) const {
+    const Vec4 x = hn::Load(four, boxes[0][i]), y = hn::Load(four, boxes[1][i]),
+               z = hn::Load(four, boxes[2][i]);
+    const Vec4 xz = hn::InterleaveUpper(four, x, z), yy = hn::InterleaveUpper(four, y, y);
+    return hn::Sub(hn::BitCast(four_ints, hn::InterleaveUpper(four, xz, yy)),
+                   hn::Set(four_ints, no_references));
+  }
+};
+
+HWY_INLINE void clear(Bins& bins, int bin_count) {
+  const SimdBox none = load_bin(reinterpret_cast<const float*>(empty_bin_lanes));
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i < bin_count; ++i) store_bin(none, bins.boxes[axis][i]);
+  }
+}
+
+// 2^18 plus a bin's number is a float whose lowest bits are the bin's distance in bytes from the first: a
+// unit of its last place is 2^-5.
+constexpr float bin_magic = 262144.0f;
+static_assert(sizeof(Bins::boxes[0][0]) == 1 << 5);
+
+// Adds a box, which `counted_once` has prepared, to the bins of these numbers, which are whole, one an axis.
+HWY_INLINE void add(Bins& bins, Vec4 numbers, const SimdBox& box) {
+  alignas(16) std::uint32_t offset[4];
+  const auto bits = hn::BitCast(four_bits, hn::Add(numbers, hn::Set(four, bin_magic)));
+  hn::Store(hn::And(bits, hn::Set(four_bits, (1u << 16) - 1)), four_bits, offset);
+  for (int axis = 0; axis < 3; ++axis) {
+    float* const bin =
+        reinterpret_cast<float*>(reinterpret_cast<std::byte*>(bins.boxes[axis]) + offset[axis]);
+    store_bin(count_one(merge(load_bin(bin), box)), bin);
+  }
+}
+
+// From coordinates to bins on three axes; an axis too short to be parted has scale 0.
+struct BinMapping {
+  alignas(16) float origin[4];
+  alignas(16) float scale[4];
+
+  BinMapping(const Box3f& box, int bins) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const float size = box.upper[axis] - box.lower[axis];
+      const float s = static_cast<float>(bins) / size;
+      origin[axis] = box.lower[axis];
+      scale[axis] = size > 0.0f && s <= std::numeric_limits<float>::max() ? s : 0.0f;
+    }
+    origin[3] = scale[3] = 0.0f;
+  }
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#endif  // per target
