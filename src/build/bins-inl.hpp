@@ -55,21 +55,38 @@ HWY_INLINE void clear(Bins& bins, int bin_count) {
   }
 }
 
-// 2^18 plus a bin's number is a float whose lowest bits are the bin's distance in bytes from the first: a
+// 2^18 plus a bin's number is a float whose lowest 16 bits are the bin's distance in bytes from the first: a
 // unit of its last place is 2^-5.
 constexpr float bin_magic = 262144.0f;
 static_assert(sizeof(Bins::boxes[0][0]) == 1 << 5);
 
-// Adds a box, which `counted_once` has prepared, to the bins of these numbers, which are whole, one an axis.
-HWY_INLINE void add(Bins& bins, Vec4 numbers, const SimdBox& box) {
-  alignas(16) std::uint32_t offset[4];
-  const auto bits = hn::BitCast(four_bits, hn::Add(numbers, hn::Set(four, bin_magic)));
-  hn::Store(hn::And(bits, hn::Set(four_bits, (1u << 16) - 1)), four_bits, offset);
+// Adds a box, which `counted_once` has prepared, to the bins of these numbers with `bin_magic` added, one an
+// axis.
+HWY_INLINE void add(Bins& bins, const float* places, const SimdBox& box) {
   for (int axis = 0; axis < 3; ++axis) {
-    float* const bin =
-        reinterpret_cast<float*>(reinterpret_cast<std::byte*>(bins.boxes[axis]) + offset[axis]);
+    std::uint32_t bits;
+    std::memcpy(&bits, places + axis, sizeof bits);
+    auto* const first = reinterpret_cast<std::byte*>(bins.boxes[axis]);
+    auto* const bin = reinterpret_cast<float*>(first + static_cast<std::uint16_t>(bits));
     store_bin(count_one(merge(load_bin(bin), box)), bin);
   }
+}
+
+// Bins are found so many references ahead of the one that is added: their numbers pass from vectors to
+// addresses through memory, and an addition that waits for the one before leaves time to find others.
+constexpr std::uint32_t binning_lead = 8;
+
+// Calls `find(i, slot)` and, later, `add(i, slot)` for each i of `0 .. count - 1`; slots are below
+// `binning_lead`.
+template <class Find, class Add>
+HWY_INLINE void bin_ahead(std::uint32_t count, const Find& find, const Add& add) {
+  const std::uint32_t lead = HWY_MIN(binning_lead, count);
+  for (std::uint32_t i = 0; i < lead; ++i) find(i, i);
+  for (std::uint32_t i = 0; i < count - lead; ++i) {
+    add(i, i % binning_lead);
+    find(i + lead, i % binning_lead);
+  }
+  for (std::uint32_t i = count - lead; i < count; ++i) add(i, i % binning_lead);
 }
 
 // From coordinates to bins on three axes; an axis too short to be parted has scale 0.

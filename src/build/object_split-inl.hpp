@@ -47,9 +47,9 @@ HWY_INLINE float doubled_centroid(const Reference& reference, int axis) {
 struct ObjectBinner {
   Vec4 origin, scale, last;
 
-  HWY_INLINE void add(Bins& bins, const SimdBox& box, const SimdBox& counted) const {
+  HWY_INLINE void find(const SimdBox& box, float* places) const {
     const Vec4 place = hn::Mul(hn::Sub(doubled_centroid(box), origin), scale);
-    HWY_NAMESPACE::add(bins, hn::Min(hn::Floor(place), last), counted);
+    hn::Store(hn::Add(hn::Min(hn::Floor(place), last), hn::Set(four, bin_magic)), four, places);
   }
 };
 
@@ -62,10 +62,10 @@ HWY_NOINLINE void fill(Bins& bins, const Reference* references, std::uint32_t co
                        const BinMapping& mapping, int bin_count) {
   const ObjectBinner binner = object_binner(mapping, bin_count);
   clear(bins, bin_count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const SimdBox box = load_box(references[i]);
-    binner.add(bins, box, counted_once(box));
-  }
+  alignas(16) float places[binning_lead][4];
+  bin_ahead(
+      count, [&](auto i, auto slot) { binner.find(load_box(references[i]), places[slot]); },
+      [&](auto i, auto slot) { add(bins, places[slot], counted_once(load_box(references[i]))); });
 }
 
 // The cheapest plane between bins, over three axes at a time.

@@ -99,6 +99,13 @@ HWY_INLINE SimdBox merge_if_not(BoxMask mask, const SimdBox& a, const SimdBox& b
 HWY_INLINE SimdBox move(const SimdBox& box, const SimdBox& step, float times) {
   return {hn::Add(box.halves, hn::Mul(hn::Set(eight, times), step.halves))};
 }
+HWY_INLINE SimdBox sum(const SimdBox& a, const SimdBox& b) {
+  return {hn::Add(a.halves, b.halves)};
+}
+// The greatest whole numbers not above (box - origin) * scale.
+HWY_INLINE SimdBox floor_of_scaled(const SimdBox& box, const SimdBox& origin, const SimdBox& scale) {
+  return {hn::Floor(hn::Mul(hn::Sub(box.halves, origin.halves), scale.halves))};
+}
 // [lower + upper, -(lower + upper)]: the doubled centroid as a box.
 HWY_INLINE SimdBox centroid_box(const SimdBox& box) {
   return {hn::Sub(box.halves, hn::SwapAdjacentBlocks(box.halves))};
@@ -163,6 +170,13 @@ HWY_INLINE SimdBox merge_if_not(BoxMask mask, const SimdBox& a, const SimdBox& b
 HWY_INLINE SimdBox move(const SimdBox& box, const SimdBox& step, float times) {
   return {hn::Add(box.lower, hn::Mul(hn::Set(four, times), step.lower)),
           hn::Add(box.negated_upper, hn::Mul(hn::Set(four, times), step.negated_upper))};
+}
+HWY_INLINE SimdBox sum(const SimdBox& a, const SimdBox& b) {
+  return {hn::Add(a.lower, b.lower), hn::Add(a.negated_upper, b.negated_upper)};
+}
+HWY_INLINE SimdBox floor_of_scaled(const SimdBox& box, const SimdBox& origin, const SimdBox& scale) {
+  return {hn::Floor(hn::Mul(hn::Sub(box.lower, origin.lower), scale.lower)),
+          hn::Floor(hn::Mul(hn::Sub(box.negated_upper, origin.negated_upper), scale.negated_upper))};
 }
 HWY_INLINE SimdBox centroid_box(const SimdBox& box) {
   return {hn::Sub(box.lower, box.negated_upper), hn::Sub(box.negated_upper, box.lower)};

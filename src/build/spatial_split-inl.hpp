@@ -126,22 +126,25 @@ struct SpatialBins {
 
 // How a box finds the bins in which it begins and ends.
 struct SpatialBinner {
-  Vec4 origin, scale, last;
+  SimdBox origin, scale;
+  Vec4 last;
 
-  HWY_INLINE void add(SpatialBins& bins, const SimdBox& box, const SimdBox& counted) const {
-    const Vec4 begin = hn::Mul(hn::Sub(lower_of(box), origin), scale);
-    const Vec4 negated_end = hn::Mul(hn::Add(negated_upper_of(box), origin), scale);
+  // Writes where it begins on each axis, then where it ends.
+  HWY_INLINE void find(const SimdBox& box, float* places) const {
+    const SimdBox floors = floor_of_scaled(box, origin, scale);
     // A box that ends on a plane does not reach into the bin behind it: its last bin is the ceiling of its
     // end less one.
-    const Vec4 first = hn::Floor(begin);
-    const Vec4 end = hn::Sub(hn::Set(four, -1.0f), hn::Floor(negated_end));
-    HWY_NAMESPACE::add(bins.begins, hn::Min(first, last), counted);
-    HWY_NAMESPACE::add(bins.ends, hn::Min(hn::Max(end, first), last), counted);
+    const Vec4 first = lower_of(floors);
+    const Vec4 end = hn::Max(hn::Sub(hn::Set(four, -1.0f), negated_upper_of(floors)), first);
+    const Vec4 magic = hn::Set(four, bin_magic);
+    store_bin(sum(merge(from_halves(first, end), from_halves(last, last)), from_halves(magic, magic)),
+              places);
   }
 };
 
 HWY_INLINE SpatialBinner spatial_binner(const BinMapping& mapping) {
-  return {hn::Load(four, mapping.origin), hn::Load(four, mapping.scale),
+  const Vec4 origin = hn::Load(four, mapping.origin), scale = hn::Load(four, mapping.scale);
+  return {from_halves(origin, hn::Neg(origin)), from_halves(scale, scale),
           hn::Set(four, static_cast<float>(spatial_bin_count - 1))};
 }
 
@@ -150,10 +153,14 @@ HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint
   const SpatialBinner binner = spatial_binner(mapping);
   clear(bins.begins, spatial_bin_count);
   clear(bins.ends, spatial_bin_count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const SimdBox box = load_box(references[i]);
-    binner.add(bins, box, counted_once(box));
-  }
+  alignas(32) float places[binning_lead][8];
+  bin_ahead(
+      count, [&](auto i, auto slot) { binner.find(load_box(references[i]), places[slot]); },
+      [&](auto i, auto slot) {
+        const SimdBox box = counted_once(load_box(references[i]));
+        add(bins.begins, places[slot], box);
+        add(bins.ends, places[slot] + 4, box);
+      });
 }
 
 // Both kinds of bins in one pass. Where spatial splits are possible at all, nearly all nodes come to look at
@@ -167,12 +174,20 @@ HWY_NOINLINE void fill(Bins& object_bins, const BinMapping& object_mapping, int 
   clear(object_bins, object_bin_count);
   clear(spatial_bins.begins, spatial_bin_count);
   clear(spatial_bins.ends, spatial_bin_count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const SimdBox box = load_box(references[i]);
-    const SimdBox counted = counted_once(box);
-    object.add(object_bins, box, counted);
-    spatial.add(spatial_bins, box, counted);
-  }
+  alignas(32) float centers[binning_lead][4], places[binning_lead][8];
+  bin_ahead(
+      count,
+      [&](auto i, auto slot) {
+        const SimdBox box = load_box(references[i]);
+        object.find(box, centers[slot]);
+        spatial.find(box, places[slot]);
+      },
+      [&](auto i, auto slot) {
+        const SimdBox box = counted_once(load_box(references[i]));
+        add(object_bins, centers[slot], box);
+        add(spatial_bins.begins, places[slot], box);
+        add(spatial_bins.ends, places[slot] + 4, box);
+      });
 }
 
 HWY_INLINE float plane_at(const Box3f& box, int axis, int number) {
