@@ -147,7 +147,8 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
       keys[axis * count + i] = doubled_centroid(references[i], static_cast<int>(axis));
     }
   }
-  const Vec none = hn::Set(lanes, infinity), all = hn::Set(lanes, static_cast<float>(count));
+  const Vec none = hn::Set(lanes, infinity), one = hn::Set(lanes, 1.0f),
+            all = hn::Set(lanes, static_cast<float>(count));
   // A cost whose last bits are the candidate's number: the order of positive floats is that of their bits, so
   // that one minimum finds both, and of several that cost the same the first, for any number of lanes. The
   // bits lost are 2^-18 of the cost.
@@ -156,6 +157,7 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
   const auto number_bits = hn::Set(bits, std::uint32_t{63});
   auto best = hn::Set(bits, ~std::uint32_t{0});
   static_assert(3 * sweep_limit <= 64);
+  auto numbers = hn::Iota(bits, 0);
   for (std::uint32_t c = 0; c < candidates; c += width) {
     const Vec candidate = hn::Iota(lanes, static_cast<float>(c));
     const auto is_y = hn::Ge(candidate, all), is_z = hn::Ge(candidate, hn::Add(all, all));
@@ -171,13 +173,14 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
                          hn::IfThenElse(is_y, hn::Set(lanes, key[count]), hn::Set(lanes, key[0])));
       const auto is_left = hn::Le(key_on_axis, own_key);
       left_count = hn::Add(left_count, hn::IfThenElseZero(is_left, hn::Set(lanes, 1.0f)));
+      // Chosen from what a lane has and what it would have, which AVX-512 does in one instruction.
       for (int k = 0; k < 3; ++k) {
         const Vec lower = hn::Set(lanes, (&references[i].lower.x)[k]);
         const Vec upper = hn::Set(lanes, (&references[i].upper.x)[k]);
-        left_lower[k] = hn::Min(left_lower[k], hn::IfThenElse(is_left, lower, none));
-        left_upper[k] = hn::Max(left_upper[k], hn::IfThenElse(is_left, upper, hn::Neg(none)));
-        right_lower[k] = hn::Min(right_lower[k], hn::IfThenElse(is_left, none, lower));
-        right_upper[k] = hn::Max(right_upper[k], hn::IfThenElse(is_left, hn::Neg(none), upper));
+        left_lower[k] = hn::IfThenElse(is_left, hn::Min(left_lower[k], lower), left_lower[k]);
+        left_upper[k] = hn::IfThenElse(is_left, hn::Max(left_upper[k], upper), left_upper[k]);
+        right_lower[k] = hn::IfThenElse(is_left, right_lower[k], hn::Min(right_lower[k], lower));
+        right_upper[k] = hn::IfThenElse(is_left, right_upper[k], hn::Max(right_upper[k], upper));
       }
     }
     const auto area = [](const Vec* lower, const Vec* upper) {
@@ -187,7 +190,8 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
     };
     const Vec cost = hn::Add(hn::Mul(area(left_lower, left_upper), left_count),
                              hn::Mul(area(right_lower, right_upper), hn::Sub(all, left_count)));
-    const auto numbered = hn::Or(hn::AndNot(number_bits, hn::BitCast(bits, cost)), hn::Iota(bits, c));
+    const auto numbered = hn::Or(hn::AndNot(number_bits, hn::BitCast(bits, cost)), numbers);
+    numbers = hn::Add(numbers, hn::Set(bits, width));
     // Where nothing is on the right the cost is not a number.
     const auto valid = hn::RebindMask(bits, hn::Lt(left_count, all));
     best = hn::Min(best, hn::IfThenElse(valid, numbered, hn::Set(bits, ~std::uint32_t{0})));
