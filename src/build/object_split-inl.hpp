@@ -147,8 +147,7 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
       keys[axis * count + i] = doubled_centroid(references[i], static_cast<int>(axis));
     }
   }
-  const Vec none = hn::Set(lanes, infinity), one = hn::Set(lanes, 1.0f),
-            all = hn::Set(lanes, static_cast<float>(count));
+  const Vec none = hn::Set(lanes, infinity), all = hn::Set(lanes, static_cast<float>(count));
   // A cost whose last bits are the candidate's number: the order of positive floats is that of their bits, so
   // that one minimum finds both, and of several that cost the same the first, for any number of lanes. The
   // bits lost are 2^-18 of the cost.

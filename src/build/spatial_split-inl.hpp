@@ -348,6 +348,7 @@ HWY_NOINLINE SpatialSplit find_spatial_split(const Geometry& geometry, const Spa
 // that costs less (reference unsplitting, section 4.4 of the paper).
 struct SpatialPartition {
   std::uint32_t left_count, right_count;
+  ChildBoxes boxes, centroids;
 };
 
 HWY_NOINLINE SpatialPartition partition(const Geometry& geometry, Reference* references, std::uint32_t count,
@@ -357,6 +358,15 @@ HWY_NOINLINE SpatialPartition partition(const Geometry& geometry, Reference* ref
   SimdBox left_box = split.boxes.left, right_box = split.boxes.right;
   float left_count = split.left_count, right_count = split.right_count;
   std::uint32_t left_end = 0, right_begin = count, spare = count;
+  ChildBoxes boxes{empty_box(), empty_box()}, centroids = boxes;
+  const auto add_left = [&](const SimdBox& box) {
+    boxes.left = merge(boxes.left, box);
+    centroids.left = merge(centroids.left, centroid_box(box));
+  };
+  const auto add_right = [&](const SimdBox& box) {
+    boxes.right = merge(boxes.right, box);
+    centroids.right = merge(centroids.right, centroid_box(box));
+  };
   while (left_end < right_begin) {
     Reference& reference = references[left_end];
     SpatialSplit::Side side = split.side_of(reference);
@@ -384,18 +394,21 @@ HWY_NOINLINE SpatialPartition partition(const Geometry& geometry, Reference* ref
         } else {
           const std::uint32_t primitive = reference.primitive;
           store_reference(parts.right, primitive, references[spare++]);
+          add_right(parts.right);
           store_reference(parts.left, primitive, reference);
           side = SpatialSplit::left;
         }
       }
     }
     if (side == SpatialSplit::left) {
+      add_left(load_box(reference));
       ++left_end;
     } else {
+      add_right(load_box(reference));
       std::swap(reference, references[--right_begin]);
     }
   }
-  return {left_end, spare - left_end};
+  return {left_end, spare - left_end, boxes, centroids};
 }
 
 }  // namespace HWY_NAMESPACE

@@ -131,13 +131,11 @@ HWY_NOINLINE bool split(const BuildContext& context, const NodeInput& node, Node
   if (leaf_is_cheapest(context, count, area, HWY_MIN(object_split.cost, spatial_split.cost))) return false;
 
   if (spatial_split.cost < object_split.cost) {
-    const SpatialPartition counts = partition(*context.geometry, references, count, spatial_split);
-    if (counts.left_count != 0 && counts.right_count != 0) {
-      const RangePair ranges = hand_down(context.arena, node.range, counts.left_count, counts.right_count);
-      left = {ranges.left, node.depth + 1, {}, {}};
-      right = {ranges.right, node.depth + 1, {}, {}};
-      measure(context.arena, left);
-      measure(context.arena, right);
+    const SpatialPartition parts = partition(*context.geometry, references, count, spatial_split);
+    if (parts.left_count != 0 && parts.right_count != 0) {
+      const RangePair ranges = hand_down(context.arena, node.range, parts.left_count, parts.right_count);
+      left = {ranges.left, node.depth + 1, to_box3f(parts.boxes.left), to_box3f(parts.centroids.left)};
+      right = {ranges.right, node.depth + 1, to_box3f(parts.boxes.right), to_box3f(parts.centroids.right)};
       return true;
     }
   }
