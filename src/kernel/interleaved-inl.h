@@ -34,9 +34,6 @@ template <bool any_hit>
 class Interleaved {
   static constexpr std::uint32_t width = 16;  // rays in flight
 
-  // Behind the last entry of a stack: a link that no leaf has.
-  static constexpr std::uint32_t done = 0xffffffffu;
-
   struct Lane {
     WideRay ray;
     StoredNodeConstants node_constants;
@@ -44,7 +41,7 @@ class Interleaved {
     std::size_t result;  // where the hit goes
     std::uint32_t link;
     std::size_t depth;
-    Stack stack;
+    Stack<1> stack;
   };
 
   // The lanes that are at a node, and those that are at a leaf or at the end; behind the last there is room
@@ -71,7 +68,7 @@ class Interleaved {
       for (std::uint32_t i = 0; i < turn.nodes; ++i) step(turn.at_node[i], lists);
       for (std::uint32_t i = 0; i < turn.leaves; ++i) {
         const std::uint32_t number = turn.at_leaf[i];
-        if (lanes_[number].link == done) {
+        if (lanes_[number].link == Stack<1>::bottom) {
           finish(lanes_[number].result, lanes_[number].best);
           start(number, lists, finish, single);
         } else {
@@ -101,7 +98,7 @@ class Interleaved {
       }
       lane.best.t = std::min(ray.t_max, std::numeric_limits<float>::max());
       lane.result = i;
-      lane.stack.link[0] = done;
+      lane.stack.link[0] = Stack<1>::bottom;
       lane.stack.t[0] = -std::numeric_limits<float>::infinity();
       lane.depth = 1;
       put_down(number, ChildLink::node(0).bits(), lists);
@@ -170,8 +167,8 @@ class Interleaved {
       const auto t = hn::LoadU(floats, lane.stack.t + i);
       const auto link = hn::LoadU(integers, lane.stack.link + i);
       const auto keep = hn::And(hn::Le(t, t_best), hn::FirstN(floats, lane.depth - i));
-      hn::StoreU(hn::Compress(t, keep), floats, lane.stack.t + kept);
-      hn::StoreU(hn::Compress(link, hn::RebindMask(integers, keep)), integers, lane.stack.link + kept);
+      hn::StoreU(compress(t, keep), floats, lane.stack.t + kept);
+      hn::StoreU(compress(link, keep), integers, lane.stack.link + kept);
       kept += hn::CountTrue(floats, keep);
     }
     lane.depth = kept;

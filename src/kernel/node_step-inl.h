@@ -18,10 +18,16 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Open nodes and leaves, with the distance at which the ray enters them. Every node leaves at most seven
-// behind, and eight are written at a time.
+// Open nodes and leaves, with the distance at which the ray enters them, for a traversal that takes up to
+// `nodes_a_step` entries off the top at once. Children lie above what is not as deep, so that all entries of
+// a depth came in one step: eight for each node of it, one of which at least has been taken since but at the
+// greatest depth. Eight are written at a time.
+template <std::size_t nodes_a_step>
 struct Stack {
-  static constexpr std::size_t capacity = (wide_node_children - 1) * max_tree_depth + 2 * wide_node_children;
+  static constexpr std::size_t capacity =
+      (nodes_a_step * wide_node_children - 1) * max_tree_depth + 2 * wide_node_children;
+  static constexpr std::uint32_t bottom =
+      0xffffffffu;  // below the first entry: like a leaf, but no leaf has it
   std::uint32_t link[capacity];
   float t[capacity];
 };
@@ -55,9 +61,9 @@ HWY_INLINE Spans meet_boxes(const Constants& ray, const Eight& t_best, const Wid
 
 // Pushes the children that are met, the nearest last (any_hit: the last slot last, and without t), and says
 // which that is. `depth` grows by their number, which may be 0: then `nearest` means nothing.
-template <bool any_hit>
-HWY_INLINE void push_children(const WideNode& node, const Spans& spans, std::uint32_t octant, Stack& stack,
-                              std::size_t& depth, std::uint32_t& nearest) {
+template <bool any_hit, std::size_t nodes_a_step>
+HWY_INLINE void push_children(const WideNode& node, const Spans& spans, std::uint32_t octant,
+                              Stack<nodes_a_step>& stack, std::size_t& depth, std::uint32_t& nearest) {
   const std::uint32_t met = less_or_equal(spans.first, spans.last);
 #if HWY_TARGET <= HWY_AVX2
   const FloatTag floats;
@@ -65,8 +71,7 @@ HWY_INLINE void push_children(const WideNode& node, const Spans& spans, std::uin
   const auto links = hn::LoadU(integers, reinterpret_cast<const std::uint32_t*>(node.children));
   const auto first = spans.first.part[0], last = spans.last.part[0];
   if constexpr (any_hit) {
-    const auto mask = hn::RebindMask(integers, hn::Le(first, last));
-    hn::StoreU(hn::Compress(links, mask), integers, stack.link + depth);
+    hn::StoreU(compress(links, hn::Le(first, last)), integers, stack.link + depth);
     nearest = node.children[31 - std::countl_zero(met | 1)].bits();
   } else {
     alignas(32) static constexpr std::uint32_t far_to_near[8] = {21, 18, 15, 12, 9, 6, 3, 0};
@@ -76,8 +81,8 @@ HWY_INLINE void push_children(const WideNode& node, const Spans& spans, std::uin
     const auto first_ordered = hn::TableLookupLanes(first, float_slots);
     const auto mask = hn::Le(first_ordered, hn::TableLookupLanes(last, float_slots));
     const auto links_ordered = hn::TableLookupLanes(links, hn::IndicesFromVec(integers, slots));
-    hn::StoreU(hn::Compress(links_ordered, hn::RebindMask(integers, mask)), integers, stack.link + depth);
-    hn::StoreU(hn::Compress(first_ordered, mask), floats, stack.t + depth);
+    hn::StoreU(compress(links_ordered, mask), integers, stack.link + depth);
+    hn::StoreU(compress(first_ordered, mask), floats, stack.t + depth);
     const std::uint32_t ordered = bits(mask);
     const int place = std::countl_zero((ordered << 24) | (1u << 24));  // from near
     nearest = node.children[(node.order[octant] >> (3 * place)) & 7].bits();
@@ -108,7 +113,7 @@ HWY_INLINE std::uint32_t far_to_near(const WideNode& node, const Spans& spans, s
   const auto slots = hn::And(hn::Shr(order, hn::Load(integers, from_far)), hn::Set(integers, 7u));
   const auto float_slots = hn::IndicesFromVec(floats, slots);
   const auto mask = hn::Le(hn::TableLookupLanes(first, float_slots), hn::TableLookupLanes(last, float_slots));
-  hn::StoreU(hn::Compress(slots, hn::RebindMask(integers, mask)), integers, out);
+  hn::StoreU(compress(slots, mask), integers, out);
   return static_cast<std::uint32_t>(std::popcount(less_or_equal(spans.first, spans.last)));
 }
 #endif

@@ -342,7 +342,7 @@ class Packet {
   std::size_t near_[3], far_[3], axis_[3];
   std::uint32_t octant_;
   std::uint64_t visits_, active_;
-  Entry stack_[Stack::capacity];
+  Entry stack_[Stack<1>::capacity];
 };
 
 }  // namespace

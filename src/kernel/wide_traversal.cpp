@@ -43,8 +43,9 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
   const NodeConstants node_constants(ray);
   const LeafConstants leaf_constants(ray);
   Eight t_best = broadcast(best.t);
-  Stack stack;
-  std::size_t depth = 0;
+  Stack<2> stack;
+  stack.link[0] = stack.bottom;
+  std::size_t depth = 1;
   ChildLink link = ChildLink::node(0);
   while (true) {
     bool at_leaf = true;
@@ -52,6 +53,18 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
       if constexpr (counting) ++counters->steps;
       const WideNode& node = bvh.nodes[link.node()];
       const Spans spans = meet_boxes(node_constants, t_best, node);
+      std::uint32_t nearest;
+      // A step is mostly waiting for the one before it. Where a node comes next on the stack its step is
+      // taken in this one's shadow, though a hit below this node might have spared it: a few steps more (5 to
+      // 20 %) in less time.
+      const ChildLink next(stack.link[depth - 1]);
+      if (!next.is_leaf() & (any_hit || stack.t[depth - 1] <= best.t)) {
+        if constexpr (counting) ++counters->steps;
+        --depth;
+        const WideNode& other = bvh.nodes[next.node()];
+        push_children<any_hit>(other, meet_boxes(node_constants, t_best, other), ray.octant, stack, depth,
+                               nearest);
+      }
       const std::uint32_t met = less_or_equal(spans.first, spans.last);
       if (met == 0) {
         at_leaf = false;
@@ -63,7 +76,6 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
         link = node.children[std::countr_zero(met)];
         continue;
       }
-      std::uint32_t nearest;
       push_children<any_hit>(node, spans, ray.octant, stack, depth, nearest);
       --depth;
       link = ChildLink(nearest);
@@ -79,7 +91,7 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
       }
     }
     do {
-      if (depth == 0) return any_hit ? Hit{} : best;
+      if (depth == 1) return any_hit ? Hit{} : best;
       --depth;
     } while (!any_hit && stack.t[depth] > best.t);
     link = ChildLink(stack.link[depth]);
@@ -199,7 +211,7 @@ HWY_ATTR std::uint64_t repeat_node_steps(const WideBvh& bvh, const Ray& caller_r
   if (!set_up(caller_ray, bvh, ray)) return 0;
   const NodeConstants constants(ray);
   const Eight t_best = broadcast(std::min(caller_ray.t_max, std::numeric_limits<float>::max()));
-  Stack stack;
+  Stack<2> stack;
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < count; ++i) {
     std::size_t depth = 1;
