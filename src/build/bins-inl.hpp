@@ -23,11 +23,13 @@ constexpr int max_bin_count = 32;
 // stands for 0, the next for 1. (Denormal ones are slow on some machines.)
 constexpr std::int32_t no_references = 0x00800000;
 
-alignas(32) constexpr std::uint32_t empty_bin_lanes[8] = {0x7f800000, 0x7f800000, 0x7f800000, no_references,
-                                                          0x7f800000, 0x7f800000, 0x7f800000, 0x7f800000};
+// Two bins, for as long as vectors may be.
+alignas(64) constexpr std::uint32_t empty_bin_lanes[16] = {
+    0x7f800000, 0x7f800000, 0x7f800000, no_references, 0x7f800000, 0x7f800000, 0x7f800000, 0x7f800000,
+    0x7f800000, 0x7f800000, 0x7f800000, no_references, 0x7f800000, 0x7f800000, 0x7f800000, 0x7f800000};
 
 // The bins of each axis lie in a row.
-struct alignas(32) Bins {
+struct alignas(64) Bins {
   float boxes[3][max_bin_count][8];
 
   HWY_INLINE SimdBox box(int axis, int i) const { return load_bin(boxes[axis][i]); }
@@ -49,9 +51,14 @@ struct alignas(32) Bins {
 };
 
 HWY_INLINE void clear(Bins& bins, int bin_count) {
-  const SimdBox none = load_bin(reinterpret_cast<const float*>(empty_bin_lanes));
+  using Lanes = hn::CappedTag<float, 16>;
+  constexpr Lanes lanes;
+  constexpr int width = static_cast<int>(hn::MaxLanes(Lanes()));
+  const auto* const none = reinterpret_cast<const float*>(empty_bin_lanes);
   for (int axis = 0; axis < 3; ++axis) {
-    for (int i = 0; i < bin_count; ++i) store_bin(none, bins.boxes[axis][i]);
+    for (float *bin = bins.boxes[axis][0], *end = bin + 8 * bin_count; bin != end; bin += 16) {
+      for (int i = 0; i < 16; i += width) hn::Store(hn::Load(lanes, none + i), lanes, bin + i);
+    }
   }
 }
 

@@ -233,9 +233,9 @@ HWY_INLINE std::uint32_t partition_buffered(Reference* references, std::uint32_t
   std::uint32_t left_count = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     const bool is_left = sides.add(references[i], split);
-    const Reference here = references[i];
-    right[i - left_count] = here;
-    references[left_count] = here;
+    const SimdBox here = load_whole(references[i]);
+    store_whole(here, right[i - left_count]);
+    store_whole(here, references[left_count]);
     left_count += is_left ? 1 : 0;
   }
   std::copy_n(right, count - left_count, references + left_count);
@@ -266,8 +266,8 @@ HWY_INLINE std::uint32_t partition_in_blocks(Reference* references, std::uint32_
     }
     const std::uint32_t pairs = std::min(left_last - left_first, right_last - right_first);
     for (std::uint32_t i = 0; i < pairs; ++i) {
-      std::swap(references[begin + wrong_left[left_first + i]],
-                references[end - 1 - wrong_right[right_first + i]]);
+      exchange(references[begin + wrong_left[left_first + i]],
+               references[end - 1 - wrong_right[right_first + i]]);
     }
     left_first += pairs;
     right_first += pairs;
@@ -306,9 +306,9 @@ HWY_INLINE std::uint32_t partition_few(Reference* references, std::uint32_t coun
     const BoxMask is_left = box_mask(key, split.threshold);
     boxes.left = merge_if(is_left, boxes.left, box);
     boxes.right = merge_if_not(is_left, boxes.right, box);
-    const Reference here = references[i];
-    right[i - left_count] = here;
-    references[left_count] = here;
+    const SimdBox here = load_whole(references[i]);
+    store_whole(here, right[i - left_count]);
+    store_whole(here, references[left_count]);
     left_count += key < split.threshold ? 1 : 0;
   }
   std::copy_n(right, count - left_count, references + left_count);

@@ -87,14 +87,21 @@ HWY_INLINE SimdBox count_one(const SimdBox& box) {
   const auto sum = hn::Add(hn::BitCast(eight_ints, box.halves), hn::Load(eight_ints, one_reference_lanes));
   return {hn::BitCast(eight, sum)};
 }
+// A reference as it stands in memory, to be moved: compilers copy it field by field.
+HWY_INLINE SimdBox load_whole(const Reference& reference) {
+  return {hn::LoadU(eight, &reference.lower.x)};
+}
+HWY_INLINE void store_whole(const SimdBox& whole, Reference& to) {
+  hn::StoreU(whole.halves, eight, &to.lower.x);
+}
 HWY_INLINE BoxMask box_mask(float a, float b) {
   return hn::Lt(hn::Set(eight, a), hn::Set(eight, b));
 }
 HWY_INLINE SimdBox merge_if(BoxMask mask, const SimdBox& a, const SimdBox& b) {
-  return {hn::Min(a.halves, hn::IfThenElse(mask, b.halves, hn::Set(eight, infinity)))};
+  return {hn::IfThenElse(mask, hn::Min(a.halves, b.halves), a.halves)};
 }
 HWY_INLINE SimdBox merge_if_not(BoxMask mask, const SimdBox& a, const SimdBox& b) {
-  return {hn::Min(a.halves, hn::IfThenElse(mask, hn::Set(eight, infinity), b.halves))};
+  return {hn::IfThenElse(mask, a.halves, hn::Min(a.halves, b.halves))};
 }
 HWY_INLINE SimdBox move(const SimdBox& box, const SimdBox& step, float times) {
   return {hn::Add(box.halves, hn::Mul(hn::Set(eight, times), step.halves))};
@@ -156,13 +163,19 @@ HWY_INLINE SimdBox count_one(const SimdBox& box) {
   const auto sum = hn::Add(hn::BitCast(four_ints, box.lower), hn::Load(four_ints, one_reference_lanes));
   return {hn::BitCast(four, sum), box.negated_upper};
 }
+HWY_INLINE SimdBox load_whole(const Reference& reference) {
+  return {hn::LoadU(four, &reference.lower.x), hn::LoadU(four, &reference.upper.x)};
+}
+HWY_INLINE void store_whole(const SimdBox& whole, Reference& to) {
+  hn::StoreU(whole.lower, four, &to.lower.x);
+  hn::StoreU(whole.negated_upper, four, &to.upper.x);
+}
 HWY_INLINE BoxMask box_mask(float a, float b) {
   return hn::Lt(hn::Set(four, a), hn::Set(four, b));
 }
 HWY_INLINE SimdBox merge_if(BoxMask mask, const SimdBox& a, const SimdBox& b) {
-  const Vec4 none = hn::Set(four, infinity);
-  return {hn::Min(a.lower, hn::IfThenElse(mask, b.lower, none)),
-          hn::Min(a.negated_upper, hn::IfThenElse(mask, b.negated_upper, none))};
+  return {hn::IfThenElse(mask, hn::Min(a.lower, b.lower), a.lower),
+          hn::IfThenElse(mask, hn::Min(a.negated_upper, b.negated_upper), a.negated_upper)};
 }
 HWY_INLINE SimdBox merge_if_not(BoxMask mask, const SimdBox& a, const SimdBox& b) {
   return merge_if(hn::Not(mask), a, b);
@@ -211,6 +224,12 @@ HWY_INLINE void store_reference(const SimdBox& box, std::uint32_t primitive, Ref
   hn::StoreU(lower_of(box), four, &to.lower.x);
   hn::StoreU(hn::Neg(negated_upper_of(box)), four, &to.upper.x);
   to.primitive = primitive;
+}
+
+HWY_INLINE void exchange(Reference& a, Reference& b) {
+  const SimdBox whole = load_whole(a);
+  store_whole(load_whole(b), a);
+  store_whole(whole, b);
 }
 
 // The half areas of three boxes, in three lanes.

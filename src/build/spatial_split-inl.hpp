@@ -405,7 +405,7 @@ HWY_NOINLINE SpatialPartition partition(const Geometry& geometry, Reference* ref
       ++left_end;
     } else {
       add_right(load_box(reference));
-      std::swap(reference, references[--right_begin]);
+      exchange(reference, references[--right_begin]);
     }
   }
   return {left_end, spare - left_end, boxes, centroids};
