@@ -263,6 +263,45 @@ HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3
   return candidates;
 }
 
+// Lists the references that straddle a plane, as many as fit into a vector at a time.
+class StraddlerSearch {
+  using Lanes = hn::CappedTag<float, 16>;
+  using Numbers = hn::RebindToUnsigned<Lanes>;
+
+ public:
+  // Each reference takes two lanes, one for either corner.
+  static constexpr std::uint32_t references = hn::MaxLanes(Lanes()) / 2;
+  // How many numbers `find` writes over.
+  static constexpr std::uint32_t most = hn::MaxLanes(Lanes());
+
+  HWY_INLINE explicit StraddlerSearch(const SpatialSplit& split)
+      : axis_(split.axis),
+        origin_(hn::Set(lanes, split.origin)),
+        scale_(hn::Set(lanes, split.scale)),
+        plane_(hn::Set(lanes, split.plane_number)) {}
+
+  // As SpatialSplit::straddled_by, for the references from `first` on. Writes their numbers, returns how many
+  // they are.
+  HWY_INLINE std::uint32_t find(const Reference* from, std::uint32_t first, std::uint32_t* to) const {
+    hn::Vec<Lanes>
+        corners[4];  // x, y and z of the lower and the upper corner of each by turns; their numbers
+    hn::LoadInterleaved4(lanes, &from[first].lower.x, corners[0], corners[1], corners[2], corners[3]);
+    const auto place = hn::Mul(hn::Sub(corners[axis_], origin_), scale_);
+    const auto straddles = hn::And(hn::Lt(hn::DupEven(place), plane_), hn::Gt(hn::DupOdd(place), plane_));
+    const auto one_lane_each = hn::Eq(hn::And(hn::Iota(numbers, 0), hn::Set(numbers, 1)), hn::Zero(numbers));
+    const auto chosen = hn::And(hn::RebindMask(numbers, straddles), one_lane_each);
+    const auto ids = hn::Add(hn::ShiftRight<1>(hn::Iota(numbers, 0)), hn::Set(numbers, first));
+    hn::StoreU(hn::Compress(ids, chosen), numbers, to);
+    return static_cast<std::uint32_t>(hn::CountTrue(numbers, chosen));
+  }
+
+ private:
+  static constexpr Lanes lanes{};
+  static constexpr Numbers numbers{};
+  int axis_;
+  hn::Vec<Lanes> origin_, scale_, plane_;
+};
+
 // What a plane costs when the triangles that straddle it are chopped. Not found where that is `limit` or
 // more.
 HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& bins,
@@ -291,11 +330,14 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
            half_area_or_zero(right) * static_cast<float>(right_count + straddling);
   };
   constexpr std::uint32_t batch = 64;
-  std::uint32_t straddlers[batch];
+  std::uint32_t straddlers[batch + StraddlerSearch::most];
+  const StraddlerSearch search(split);
   for (std::uint32_t i = 0; i < count && straddling > 0;) {
     if (least_cost() >= limit) return split;
     std::uint32_t found = 0;
-    for (; i < count && found < batch; ++i) {
+    for (; count - i >= StraddlerSearch::references && found < batch; i += StraddlerSearch::references)
+      found += search.find(references, i, straddlers + found);
+    for (; count - i < StraddlerSearch::references && i < count; ++i) {
       straddlers[found] = i;
       found += split.straddled_by(references[i]) ? 1 : 0;
     }
