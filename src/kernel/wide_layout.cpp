@@ -6,6 +6,7 @@
 
 #include <kerf/error.hpp>
 
+#include "kernel/wide_children.hpp"
 #include "parallel.hpp"
 #include "refine/collapse.hpp"
 #include "tree/aligned_array.hpp"
@@ -51,55 +52,13 @@ Prospect prospect_of_leaf(std::uint32_t triangles) {
   return {0.3f, costs.leaf + costs.triangle * static_cast<float>(triangles)};
 }
 
-// From near to far for directions in each octant, by how far along the octant's diagonal the boxes lie; of
-// those equally far the lower slot first, unused ones last. A slot's place is the number of those before it.
-void write_orders(const Box3f* boxes, std::uint32_t count, std::uint32_t* orders) {
-  constexpr unsigned octants = 8;
-  float distances[wide_node_children][octants];
-  for (std::uint32_t slot = 0; slot < count; ++slot) {
-    // A quarter of the coordinates' sums: the sum of three stays finite, and orders stay orders.
-    const Vec3f center = boxes[slot].lower * 0.25f + boxes[slot].upper * 0.25f;
-    for (unsigned octant = 0; octant < octants; ++octant) {
-      distances[slot][octant] = (octant & 1 ? -center.x : center.x) + (octant & 2 ? -center.y : center.y) +
-                                (octant & 4 ? -center.z : center.z);
-    }
-  }
-  std::uint32_t places[wide_node_children][octants];
-  for (std::uint32_t slot = 0; slot < wide_node_children; ++slot)
-    std::fill_n(places[slot], octants, slot < count ? 0u : slot);
-  for (std::uint32_t high = 1; high < count; ++high) {
-    for (std::uint32_t low = 0; low < high; ++low) {
-      for (unsigned octant = 0; octant < octants; ++octant) {
-        const std::uint32_t high_first = distances[high][octant] < distances[low][octant] ? 1 : 0;
-        places[low][octant] += high_first;
-        places[high][octant] += 1 - high_first;
-      }
-    }
-  }
-  for (unsigned octant = 0; octant < octants; ++octant) {
-    orders[octant] = 0;
-    for (std::uint32_t slot = 0; slot < wide_node_children; ++slot)
-      orders[octant] |= slot << (3 * places[slot][octant]);
-  }
-}
-
-// The children's boxes, in the tree's order.
-void write_boxes(const BinaryTree& tree, const Collapse::Children& children, WideNode& node) {
-  for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
-    const Box3f box = slot < children.count ? tree.nodes[children.node[slot]].bounds : Box3f{};
-    for (int axis = 0; axis < 3; ++axis) {
-      node.planes[axis][0][slot] = box.lower[axis];
-      node.planes[axis][1][slot] = box.upper[axis];
-    }
-  }
-}
-
 // Puts the children of a node into the order in which any-hit traversal takes them, the first into the last
 // slot: that with the most chance of a hit for its cost, which is the best order there is if neither tells
 // anything of the others (as for shadow rays in Ize & Hansen 2011, "RTSAH Traversal Order for Occlusion
-// Rays"). Then writes the orders for the closest hit. Returns the prospect of the node.
-Prospect arrange(const std::array<Prospect, wide_node_children>& prospects, std::uint32_t count,
-                 WideNode& node) {
+// Rays"). Their links stand in the tree's order. Returns the prospect of the node.
+Prospect arrange(const BinaryTree& tree, const Collapse::Children& children,
+                 const std::array<Prospect, wide_node_children>& prospects, WideNode& node) {
+  const std::uint32_t count = children.count;
   std::array<std::uint32_t, wide_node_children> from{};
   std::array<float, wide_node_children> value;
   for (std::uint32_t child = 0; child < count; ++child) {
@@ -112,25 +71,23 @@ Prospect arrange(const std::array<Prospect, wide_node_children>& prospects, std:
     value[slot] = v;
     from[slot] = child;
   }
-  const WideNode before = node;
-  std::array<Box3f, wide_node_children> boxes;
+  std::array<const BinaryNode*, wide_node_children> binaries{};
+  std::array<ChildLink, wide_node_children> links;
   Box3f bounds;
   for (std::uint32_t slot = 0; slot < count; ++slot) {
-    boxes[slot] = child_box(before, from[slot]);
-    bounds = merge(bounds, boxes[slot]);
-    for (int axis = 0; axis < 3; ++axis) {
-      node.planes[axis][0][slot] = boxes[slot].lower[axis];
-      node.planes[axis][1][slot] = boxes[slot].upper[axis];
-    }
-    node.children[slot] = before.children[from[slot]];
+    binaries[slot] = &tree.nodes[children.node[from[slot]]];
+    bounds = merge(bounds, binaries[slot]->bounds);
+    links[slot] = node.children[from[slot]];
   }
-  write_orders(boxes.data(), count, node.order);
+  std::copy_n(links.begin(), count, node.children);
+  write_children(binaries.data(), count, node);
 
   const float area = half_area(bounds);
   float miss = 1.0f, steps = 1.0f;
   for (std::uint32_t slot = 0; slot < count; ++slot) {
     const Prospect& below = prospects[from[slot]];
-    const float entered = std::min(1.0f, half_area(boxes[slot]) / area);  // 1 where that has no value
+    const float entered =
+        std::min(1.0f, half_area(binaries[slot]->bounds) / area);  // 1 where that has no value
     miss *= 1.0f - entered * below.hit;
     steps += entered * below.steps;
   }
@@ -215,7 +172,7 @@ class Layout {
       Section& section = sections_[i];
       if (!section.is_subtree) {
         section.prospect =
-            arrange(section.below, collapse_.children(section.binary).count, nodes_[section.first.nodes]);
+            arrange(tree_, collapse_.children(section.binary), section.below, nodes_[section.first.nodes]);
       }
       if (i == 0) break;
       Section& parent = sections_[section.parent];
@@ -297,7 +254,11 @@ class Layout {
     if (section.is_subtree) {
       section.prospect = write_subtree(section.binary, next);
     } else {
-      write_node(section.binary, section.below, next);
+      const Collapse::Children children = write_node(section.binary, section.below, next);
+      std::array<const BinaryNode*, wide_node_children> binaries{};
+      for (std::uint32_t slot = 0; slot < children.count; ++slot)
+        binaries[slot] = &tree_.nodes[children.node[slot]];
+      write_children(binaries.data(), children.count, nodes_[section.first.nodes]);
     }
     write_leaves(section.first.nodes, next.nodes);
   }
@@ -311,15 +272,15 @@ class Layout {
       node.children[slot] = ChildLink::node(static_cast<std::uint32_t>(next.nodes));
       below[slot] = write_subtree(children.node[slot], next);
     }
-    return arrange(below, children.count, node);
+    return arrange(tree_, children, below, node);
   }
 
-  // The node, and which triangles are in its leaves; what of the other children depends on them comes later.
+  // The children's links in the tree's order, and which triangles are in the leaves; what of the other
+  // children depends on them comes later.
   Collapse::Children write_node(std::uint32_t binary, std::array<Prospect, wide_node_children>& below,
                                 Extent& next) const {
     WideNode& node = nodes_[next.nodes++];
     const Collapse::Children children = collapse_.children(binary);
-    write_boxes(tree_, children, node);
     for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
       if (slot >= children.count) {
         node.children[slot] = first_leaf_;
