@@ -30,9 +30,10 @@ WideNode node_of(std::span<const ChildLink> children) {
   return node;
 }
 
-// Two nodes of eight children at each depth; those of the first are the next two and barren ones, those of
-// the second all barren. A ray that takes two nodes at a time has fourteen open at every depth.
+// Three nodes of eight children at each depth; those of the first are the next three and barren ones, those
+// of the others all barren. A ray that takes three nodes at a time has 21 open at every depth.
 TEST(WideTraversal, TheDeepestTreeWithTheMostOpenNodesFitsTheStack) {
+  constexpr std::uint32_t fertile = 3;
   const ChildLink barren = ChildLink::node(1);
   const std::vector<ChildLink> eight_barren(wide_node_children, barren);
   std::vector<WideNode> nodes(2, node_of({}));  // the root, to be written yet, and the barren one
@@ -41,15 +42,17 @@ TEST(WideTraversal, TheDeepestTreeWithTheMostOpenNodesFitsTheStack) {
   for (std::uint32_t depth = 1; depth < max_tree_depth; ++depth) {
     const auto next = static_cast<std::uint32_t>(nodes.size());
     std::vector<ChildLink> children(wide_node_children, barren);
-    children[wide_node_children - 1] = ChildLink::node(next);
-    children[wide_node_children - 2] = ChildLink::node(next + 1);
+    for (std::uint32_t i = 0; i < fertile; ++i)
+      children[wide_node_children - 1 - i] = ChildLink::node(next + i);
     nodes[first] = node_of(children);
     visits += wide_node_children;
     first = next;
-    const bool last = depth + 1 == max_tree_depth;
     nodes.push_back(node_of({}));  // has its children in the next round
-    nodes.push_back(last ? node_of({}) : node_of(eight_barren));
-    if (!last) visits += wide_node_children;
+    const bool last = depth + 1 == max_tree_depth;
+    for (std::uint32_t i = 1; i < fertile; ++i) {
+      nodes.push_back(last ? node_of({}) : node_of(eight_barren));
+      if (!last) visits += wide_node_children;
+    }
   }
   const std::vector<std::uint32_t> leaves(words_per_triangle + leaf_padding_words);
   const WideBvh bvh{.nodes = nodes,

@@ -33,6 +33,28 @@ namespace {
 // next try.
 [[maybe_unused]] constexpr std::uint32_t most_packets_let_pass = 32;
 
+// A step is mostly waiting for the one before it. Where nodes come next on the stack their steps are taken in
+// its shadow, though a hit below the nearer ones might have spared them: some more steps in less time.
+constexpr std::size_t nodes_a_step = 3;
+
+// Takes up to `most` nodes off the stack, for which their children come.
+template <bool any_hit, bool counting, std::size_t most, class Stack>
+HWY_INLINE void step_next(const WideBvh& bvh, const NodeConstants& constants, std::uint32_t octant,
+                          const Eight& t_best, float best_t, Stack& stack, std::size_t& depth,
+                          TraversalCounters* counters) {
+  if constexpr (most > 0) {
+    const ChildLink next(stack.link[depth - 1]);
+    if (next.is_leaf() | (!any_hit && stack.t[depth - 1] > best_t)) return;
+    --depth;
+    if constexpr (counting) ++counters->steps;
+    const WideNode& node = bvh.nodes[next.node()];
+    const Spans spans = meet_boxes(constants, t_best, node);
+    step_next<any_hit, counting, most - 1>(bvh, constants, octant, t_best, best_t, stack, depth, counters);
+    std::uint32_t nearest;
+    push_children<any_hit>(node, spans, octant, stack, depth, nearest);
+  }
+}
+
 // A ray that `set_up` took, from the root on.
 template <bool any_hit, bool counting>
 HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& ray,
@@ -43,7 +65,7 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
   const NodeConstants node_constants(ray);
   const LeafConstants leaf_constants(ray);
   Eight t_best = broadcast(best.t);
-  Stack<2> stack;
+  Stack<nodes_a_step> stack;
   stack.link[0] = stack.bottom;
   std::size_t depth = 1;
   ChildLink link = ChildLink::node(0);
@@ -53,18 +75,8 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
       if constexpr (counting) ++counters->steps;
       const WideNode& node = bvh.nodes[link.node()];
       const Spans spans = meet_boxes(node_constants, t_best, node);
-      std::uint32_t nearest;
-      // A step is mostly waiting for the one before it. Where a node comes next on the stack its step is
-      // taken in this one's shadow, though a hit below this node might have spared it: a few steps more (5 to
-      // 20 %) in less time.
-      const ChildLink next(stack.link[depth - 1]);
-      if (!next.is_leaf() & (any_hit || stack.t[depth - 1] <= best.t)) {
-        if constexpr (counting) ++counters->steps;
-        --depth;
-        const WideNode& other = bvh.nodes[next.node()];
-        push_children<any_hit>(other, meet_boxes(node_constants, t_best, other), ray.octant, stack, depth,
-                               nearest);
-      }
+      step_next<any_hit, counting, nodes_a_step - 1>(bvh, node_constants, ray.octant, t_best, best.t, stack,
+                                                     depth, counters);
       const std::uint32_t met = less_or_equal(spans.first, spans.last);
       if (met == 0) {
         at_leaf = false;
@@ -76,6 +88,7 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
         link = node.children[std::countr_zero(met)];
         continue;
       }
+      std::uint32_t nearest;
       push_children<any_hit>(node, spans, ray.octant, stack, depth, nearest);
       --depth;
       link = ChildLink(nearest);
@@ -211,7 +224,7 @@ HWY_ATTR std::uint64_t repeat_node_steps(const WideBvh& bvh, const Ray& caller_r
   if (!set_up(caller_ray, bvh, ray)) return 0;
   const NodeConstants constants(ray);
   const Eight t_best = broadcast(std::min(caller_ray.t_max, std::numeric_limits<float>::max()));
-  Stack<2> stack;
+  Stack<1> stack;
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < count; ++i) {
     std::size_t depth = 1;
