@@ -192,15 +192,16 @@ void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right
 }
 
 void Collapse::expand(std::uint32_t node, std::uint32_t i, Children& children) const {
-  const BinaryNode& binary = tree_->nodes[node];
-  if (!binary.is_leaf()) {
-    for (; i > 1; --i) {
-      const std::uint32_t left_share = (decisions_[node] >> (3 * (i - 2))) & 7u;
-      if (left_share == 0) continue;
-      expand(binary.left(), left_share, children);
-      expand(binary.right(), i - left_share, children);
-      return;
+  while (i > 1) {  // a node with one slot need not be looked at
+    const std::uint32_t left_share = (decisions_[node] >> (3 * (i - 2))) & 7u;
+    if (left_share == 0) {
+      --i;
+      continue;
     }
+    const std::uint32_t left = tree_->nodes[node].left();
+    expand(left, left_share, children);
+    node = left + 1;
+    i -= left_share;
   }
   children.node[children.count++] = node;
 }
