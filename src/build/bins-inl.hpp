@@ -62,6 +62,17 @@ HWY_INLINE void clear(Bins& bins, int bin_count) {
   }
 }
 
+// Adds all that is in `other`.
+HWY_INLINE void add(Bins& bins, const Bins& other, int bin_count) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i < bin_count; ++i) {
+      const std::int32_t lane = bins.count(axis, i) + other.count(axis, i) + no_references;
+      store_bin(merge(bins.box(axis, i), other.box(axis, i)), bins.boxes[axis][i]);
+      std::memcpy(bins.boxes[axis][i] + 3, &lane, sizeof lane);
+    }
+  }
+}
+
 // 2^18 plus a bin's number is a float whose lowest 16 bits are the bin's distance in bytes from the first: a
 // unit of its last place is 2^-5.
 constexpr float bin_magic = 262144.0f;

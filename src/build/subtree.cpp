@@ -5,6 +5,7 @@
 #include <cstring>
 #include <utility>
 
+#include "parallel.hpp"
 #include "tree/metrics.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -71,6 +72,32 @@ bool overlap_calls_for_spatial_split(const BuildContext& context, const ChildBox
   return overlap_area > context.absolute_overlap && overlap_area >= context.relative_overlap * area;
 }
 
+// Nodes of at least twice as many references are binned in parts by several threads; how many parts does not
+// matter to what is in the bins.
+constexpr std::uint32_t binning_part = 8192;
+constexpr std::uint32_t most_binning_parts = 8;
+
+HWY_NOINLINE void fill_in_parts(Bins& object_bins, const BinMapping& object_mapping, int bin_count,
+                                SpatialBins& spatial_bins, const BinMapping& spatial_mapping,
+                                const Reference* references, std::uint32_t count) {
+  struct Part {
+    Bins object;
+    SpatialBins spatial;
+  };
+  Part others[most_binning_parts - 1];
+  const std::uint32_t parts = HWY_MIN(count / binning_part, most_binning_parts), size = count / parts;
+  parallel_for(parts, [&](std::uint32_t i) {
+    fill(i == 0 ? object_bins : others[i - 1].object, object_mapping, bin_count,
+         i == 0 ? spatial_bins : others[i - 1].spatial, spatial_mapping, references + i * size,
+         i + 1 == parts ? count - i * size : size);
+  });
+  for (std::uint32_t i = 1; i < parts; ++i) {
+    add(object_bins, others[i - 1].object, bin_count);
+    add(spatial_bins.begins, others[i - 1].spatial.begins, spatial_bin_count);
+    add(spatial_bins.ends, others[i - 1].spatial.ends, spatial_bin_count);
+  }
+}
+
 // The cheapest split of each kind.
 struct Splits {
   ObjectSplit object;
@@ -98,7 +125,9 @@ HWY_NOINLINE Splits find_splits(const BuildContext& context, const NodeInput& no
     const int bin_count = count <= few_references ? few_object_bin_count : object_bin_count;
     const BinMapping mapping(node.doubled_centroids, bin_count);
     Bins bins;
-    if (try_space) {
+    if (try_space && count >= 2 * binning_part) {
+      fill_in_parts(bins, mapping, bin_count, spatial_bins, spatial_mapping, references, count);
+    } else if (try_space) {
       fill(bins, mapping, bin_count, spatial_bins, spatial_mapping, references, count);
     } else {
       fill(bins, references, count, mapping, bin_count);
