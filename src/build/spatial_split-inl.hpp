@@ -85,14 +85,18 @@ HWY_NOINLINE ChildBoxes chop(const Geometry& geometry, const Reference& referenc
                            load_corner(m.vertices, i2)};
   alignas(16) float along[3][4];
   for (int i = 0; i < 3; ++i) hn::Store(corners[i], four, along[i]);
+  const BoxMask before[3] = {box_mask(along[0][axis], plane), box_mask(along[1][axis], plane),
+                             box_mask(along[2][axis], plane)};
+  const BoxMask behind[3] = {box_mask(plane, along[0][axis]), box_mask(plane, along[1][axis]),
+                             box_mask(plane, along[2][axis])};
 
   SimdBox left = empty_box(), right = left;
   for (int i = 0; i < 3; ++i) {
     const int j = i == 2 ? 0 : i + 1;
     const float a = along[i][axis], b = along[j][axis];
     const SimdBox corner = from_halves(corners[i], hn::Neg(corners[i]));
-    left = merge_if_not(box_mask(plane, a), left, corner);
-    right = merge_if_not(box_mask(a, plane), right, corner);
+    left = merge_if_not(behind[i], left, corner);
+    right = merge_if_not(before[i], right, corner);
 
     const Vec4 t = hn::Set(four, (plane - a) / (b - a));
     const Vec4 at = hn::Add(corners[i], hn::Mul(t, hn::Sub(corners[j], corners[i])));
@@ -102,10 +106,9 @@ HWY_NOINLINE ChildBoxes chop(const Geometry& geometry, const Reference& referenc
     const SimdBox crossing =
         from_halves(hn::Max(hn::Sub(at, margin), hn::Min(corners[i], corners[j])),
                     hn::Neg(hn::Min(hn::Add(at, margin), hn::Max(corners[i], corners[j]))));
-    const bool crosses = (a < plane && plane < b) || (b < plane && plane < a);
-    const BoxMask mask = box_mask(0.0f, crosses ? 1.0f : 0.0f);
-    left = merge_if(mask, left, crossing);
-    right = merge_if(mask, right, crossing);
+    const BoxMask crosses = hn::Or(hn::And(before[i], behind[j]), hn::And(behind[i], before[j]));
+    left = merge_if(crosses, left, crossing);
+    right = merge_if(crosses, right, crossing);
   }
   const SimdBox box = load_box(reference);
   const auto on_axis = hn::Eq(hn::Iota(four, 0.0f), hn::Set(four, static_cast<float>(axis)));
@@ -329,7 +332,7 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
     return half_area_or_zero(left) * static_cast<float>(left_count + straddling) +
            half_area_or_zero(right) * static_cast<float>(right_count + straddling);
   };
-  constexpr std::uint32_t batch = 64;
+  constexpr std::uint32_t batch = 16;
   std::uint32_t straddlers[batch + StraddlerSearch::most];
   const StraddlerSearch search(split);
   for (std::uint32_t i = 0; i < count && straddling > 0;) {
