@@ -9,6 +9,7 @@
 #endif
 
 #include <cstddef>
+#include <cstring>
 
 #include "build/simd_box-inl.hpp"
 

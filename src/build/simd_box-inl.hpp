@@ -246,6 +246,20 @@ HWY_INLINE Vec4 half_areas(const SimdBox& a, const SimdBox& b, const SimdBox& c)
   return hn::Add(hn::Mul(x, hn::Add(y, z)), hn::Mul(y, z));
 }
 
+HWY_INLINE float half_area_of(const SimdBox& box) {
+  alignas(16) float areas[4];
+  hn::Store(half_areas(box, box, box), four, areas);
+  return areas[0];
+}
+
+HWY_INLINE float half_area_or_zero(const SimdBox& box) {
+  return is_empty(box) ? 0.0f : half_area_of(box);
+}
+
+struct ChildBoxes {
+  SimdBox left, right;
+};
+
 }  // namespace HWY_NAMESPACE
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
