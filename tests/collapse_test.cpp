@@ -56,7 +56,7 @@ struct Oracle {
     if (const auto found = known.find({node, slots}); found != known.end()) return found->second;
     double least;
     if (slots == 1) {
-      least = area(tree, node) + distribute(node, 8);
+      least = area(tree, node) + distribute(node, Collapse::slots);
       if (references_below(tree, node) <= 8) least = std::min(least, leaf_cost(tree, node));
     } else {
       least = std::min(distribute(node, slots), cost(node, slots - 1));
@@ -69,7 +69,7 @@ struct Oracle {
 double chosen_cost(const Collapse& collapse, const BinaryTree& tree, std::uint32_t node) {
   const Collapse::Children children = collapse.children(node);
   EXPECT_GE(children.count, 2u);
-  EXPECT_LE(children.count, 8u);
+  EXPECT_LE(children.count, Collapse::slots);
   double cost = area(tree, node);
   for (std::uint32_t i = 0; i < children.count; ++i) {
     const std::uint32_t child = children.node[i];
@@ -88,7 +88,7 @@ TEST(Collapse, NoOtherWideTreeIsCheaper) {
   for (std::uint32_t seed = 1; seed <= 10; ++seed) {
     const BinaryTree tree = tree_of(kerf_tests::random_triangles(40 * seed, 0.3f, 0.1f, seed));
     Oracle oracle{tree};
-    const double best = area(tree, 0) + oracle.distribute(0, 8);
+    const double best = area(tree, 0) + oracle.distribute(0, Collapse::slots);
     EXPECT_NEAR(chosen_cost(Collapse(tree), tree, 0), best, 1e-5 * best) << "seed " << seed;
   }
 }

@@ -148,7 +148,7 @@ TEST(KerfFile, OtherVersionsAndByteOrdersAreToldFromDamage) {
   std::reverse(swapped.begin() + 8, swapped.begin() + 12);
   EXPECT_EQ(sentence(swapped), "the file was written on a machine with the other byte order");
   file[12] = 9;
-  EXPECT_EQ(sentence(file), "the file has format version 9, but this kerf reads version 1");
+  EXPECT_EQ(sentence(file), "the file has format version 9, but this kerf reads version 2");
 }
 
 TEST(KerfFile, EveryTruncationAndEveryChangedByteIsRefused) {

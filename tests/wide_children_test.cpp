@@ -37,7 +37,7 @@ float distance_along(const kerf::Box3f& box, unsigned octant) {
   return sum;
 }
 
-std::uint32_t order_by_sorting(const std::vector<BinaryNode>& children, unsigned octant) {
+std::uint64_t order_by_sorting(const std::vector<BinaryNode>& children, unsigned octant) {
   std::vector<std::uint32_t> slots(kerf::wide_node_children);
   std::iota(slots.begin(), slots.end(), 0u);
   std::stable_sort(slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(children.size()),
@@ -45,8 +45,9 @@ std::uint32_t order_by_sorting(const std::vector<BinaryNode>& children, unsigned
                      return distance_along(children[a].bounds, octant) <
                             distance_along(children[b].bounds, octant);
                    });
-  std::uint32_t order = 0;
-  for (std::uint32_t place = 0; place < slots.size(); ++place) order |= slots[place] << (3 * place);
+  std::uint64_t order = 0;
+  for (std::uint32_t place = 0; place < slots.size(); ++place)
+    order |= std::uint64_t{slots[place]} << (4 * place);
   return order;
 }
 
@@ -70,7 +71,7 @@ TEST(WideChildren, BoxesAndOrdersAreAsDefinedOnAnyInstructionSet) {
     hwy::SetSupportedTargetsForTest(target);
     std::mt19937 random(7);
     for (int i = 0; i < 400; ++i)
-      expect_written(random_children(random, 1 + static_cast<std::uint32_t>(i) % 8));
+      expect_written(random_children(random, 1 + static_cast<std::uint32_t>(i) % kerf::wide_node_children));
   }
   hwy::SetSupportedTargetsForTest(0);
 }

@@ -25,17 +25,19 @@ WideNode node_of(std::span<const ChildLink> children) {
       node.planes[axis][1][slot] = used ? everywhere.upper[axis] : -infinity;
     }
     node.children[slot] = used ? children[slot] : ChildLink::leaf(0, 1);
-    for (std::uint32_t& order : node.order) order |= (wide_node_children - 1 - slot) << (3 * slot);
+    for (std::uint64_t& order : node.order)
+      order |= std::uint64_t{wide_node_children - 1 - slot} << (4 * slot);
   }
   return node;
 }
 
-// Three nodes of eight children at each depth; those of the first are the next three and barren ones, those
-// of the others all barren. A ray that takes three nodes at a time has 21 open at every depth.
+// Three full nodes at each depth; the children of the first are the next three and barren ones, those of the
+// others all barren. A ray that takes three nodes at a time has all but three of their children open at every
+// depth.
 TEST(WideTraversal, TheDeepestTreeWithTheMostOpenNodesFitsTheStack) {
   constexpr std::uint32_t fertile = 3;
   const ChildLink barren = ChildLink::node(1);
-  const std::vector<ChildLink> eight_barren(wide_node_children, barren);
+  const std::vector<ChildLink> all_barren(wide_node_children, barren);
   std::vector<WideNode> nodes(2, node_of({}));  // the root, to be written yet, and the barren one
   std::size_t visits = 1;
   std::size_t first = 0;
@@ -50,7 +52,7 @@ TEST(WideTraversal, TheDeepestTreeWithTheMostOpenNodesFitsTheStack) {
     nodes.push_back(node_of({}));  // has its children in the next round
     const bool last = depth + 1 == max_tree_depth;
     for (std::uint32_t i = 1; i < fertile; ++i) {
-      nodes.push_back(last ? node_of({}) : node_of(eight_barren));
+      nodes.push_back(last ? node_of({}) : node_of(all_barren));
       if (!last) visits += wide_node_children;
     }
   }

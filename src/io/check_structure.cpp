@@ -28,12 +28,12 @@ void check_meshes(const Bvh::Structure& structure) {
   }
 }
 
-// Whether the order names each of the eight slots once, and nothing above its 24 bits.
-bool is_permutation(std::uint32_t order) {
+// Whether the order names each of the sixteen slots once.
+bool is_permutation(std::uint64_t order) {
   std::uint32_t named = 0;
   for (std::uint32_t place = 0; place < wide_node_children; ++place)
-    named |= 1u << ((order >> (3 * place)) & 7);
-  return named == 0xff && order >> (3 * wide_node_children) == 0;
+    named |= 1u << ((order >> (4 * place)) & 15);
+  return named == 0xffff;
 }
 
 // Infinities and values that are not numbers have all bits of the exponent set.

@@ -14,7 +14,7 @@ struct FileHeader {
   /// As PNG's: a byte that is not text, the name, then line ends that a transfer as text would change.
   static constexpr std::array<unsigned char, 8> expected_magic{0x89, 'k', 'e', 'r', 'f', '\r', '\n', 0x1a};
   static constexpr std::uint32_t native_byte_order = 0x01020304;
-  static constexpr std::uint32_t current_version = 1;
+  static constexpr std::uint32_t current_version = 2;
 
   std::array<unsigned char, 8> magic = expected_magic;
   std::uint32_t byte_order = native_byte_order;

@@ -13,7 +13,7 @@
 
 #include <hwy/cache_control.h>
 
-#include "kernel/eight_lanes-inl.h"
+#include "kernel/lanes-inl.h"
 #include "kernel/leaf_test-inl.h"
 #include "kernel/node_step-inl.h"
 #include "kernel/wide_ray-inl.h"
@@ -121,14 +121,14 @@ class Interleaved {
     // Written without a choice, for which compilers would put a branch that no machine predicts.
     const std::uintptr_t address =
         node_address ^ ((node_address ^ leaf_address) & (std::uintptr_t{0} - leaf));
-    for (std::size_t line = 0; line < 5; ++line)
+    for (std::size_t line = 0; line < 8; ++line)
       hwy::Prefetch(reinterpret_cast<const char*>(address + 64 * line));
   }
 
   HWY_INLINE void step(std::uint32_t number, Lists& lists) {
     Lane& lane = lanes_[number];
     const WideNode& node = bvh_.nodes[lane.link];
-    const Spans spans = meet_boxes(lane.node_constants, broadcast(lane.best.t), node);
+    const Spans spans = meet_boxes(lane.node_constants, box_vector(lane.best.t), node);
     const std::size_t before = lane.depth;
     std::size_t depth = before;
     const std::uint32_t older = lane.stack.link[before - 1];

@@ -9,7 +9,7 @@
 
 #include <bit>
 
-#include "kernel/eight_lanes-inl.h"
+#include "kernel/lanes-inl.h"
 #include "kernel/wide_ray-inl.h"
 #include "math/ray_triangle.hpp"
 

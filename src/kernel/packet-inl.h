@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "kernel/eight_lanes-inl.h"
+#include "kernel/lanes-inl.h"
 #include "kernel/leaf_test-inl.h"
 #include "kernel/node_step-inl.h"
 #include "kernel/wide_ray-inl.h"
@@ -25,9 +25,9 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // As many rays as a vector has lanes, whose directions lie in one octant, are largest along the same axis and
-// differ little. A node's eight boxes are tested against the bundle as a whole, in interval arithmetic (after
-// Reshetov, Soupikov & Hurley 2005, "Multi-Level Ray Tracing Algorithm"); those that it may meet, against its
-// rays, a box at a time; and the triangles of a leaf against its rays, a triangle at a time.
+// differ little. A node's sixteen boxes are tested against the bundle as a whole, in interval arithmetic
+// (after Reshetov, Soupikov & Hurley 2005, "Multi-Level Ray Tracing Algorithm"); those that it may meet,
+// against its rays, a box at a time; and the triangles of a leaf against its rays, a triangle at a time.
 template <bool any_hit>
 class Packet {
   using Tag = hn::ScalableTag<float>;
@@ -214,12 +214,14 @@ class Packet {
     const Tag tag;
     const WideNode& node = bvh_.nodes[number];
     const float* planes = &node.planes[0][0][0];
-    Eight first = broadcast(t_first_), last = broadcast(t_last_);
+    Sixteen first = broadcast<16>(t_first_), last = broadcast<16>(t_last_);
     for (std::size_t a = 0; a < 3; ++a) {
       const bool negative = (octant_ >> a) & 1;
-      const Eight low = broadcast(inverse_low_[a]), high = broadcast(inverse_high_[a]);
-      const Eight near = load(planes + near_[a]) - broadcast(negative ? origin_low_[a] : origin_high_[a]);
-      const Eight far = load(planes + far_[a]) - broadcast(negative ? origin_high_[a] : origin_low_[a]);
+      const Sixteen low = broadcast<16>(inverse_low_[a]), high = broadcast<16>(inverse_high_[a]);
+      const Sixteen near =
+          load<16>(planes + near_[a]) - broadcast<16>(negative ? origin_low_[a] : origin_high_[a]);
+      const Sixteen far =
+          load<16>(planes + far_[a]) - broadcast<16>(negative ? origin_high_[a] : origin_low_[a]);
       first = maximum(first, minimum(near * low, near * high));
       last = minimum(last, maximum(far * low, far * high));
     }

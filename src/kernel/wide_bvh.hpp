@@ -1,4 +1,4 @@
-// The structure that rays are traced through: nodes of eight children, and leaves of up to eight triangles
+// The structure that rays are traced through: nodes of sixteen children, and leaves of up to eight triangles
 // that are tested together. Flat arrays without pointers, so that a file of them can be traced where it lies.
 #pragma once
 
@@ -16,7 +16,7 @@
 
 namespace kerf {
 
-inline constexpr std::uint32_t wide_node_children = 8;
+inline constexpr std::uint32_t wide_node_children = 16;
 inline constexpr std::uint32_t wide_leaf_triangles = 8;
 
 /// Names a node, or a leaf:
@@ -46,18 +46,18 @@ class ChildLink {
   std::uint32_t bits_ = 0;
 };
 
-/// Four cache lines. Children fill the slots from 0 up; an unused slot has an empty box, and
-/// names the leaf at place 0.
+/// Eight cache lines, one a row of planes. Children fill the slots from 0 up; an unused slot has an empty
+/// box, and names the leaf at place 0.
 struct alignas(64) WideNode {
   float planes[3][2][wide_node_children];  ///< [axis][lower, upper][child]
   ChildLink children[wide_node_children];
 
-  /// For each octant of directions (bit a set: negative along axis a), the slots from near to far, three bits
+  /// For each octant of directions (bit a set: negative along axis a), the slots from near to far, four bits
   /// each, nearest lowest (after Fuetterling et al. 2017, "Accelerated Single Ray Tracing for Wide Vector
   /// Units").
-  std::uint32_t order[8];
+  std::uint64_t order[8];
 };
-static_assert(sizeof(WideNode) == 256);
+static_assert(sizeof(WideNode) == 512);
 
 /// A leaf of n triangles is ten rows of n words: x, y, z of the first vertices, of the second, of the third,
 /// then the triangles' numbers. Leaves lie side by side, so that leaf data of k triangles begin at word 10 k.

@@ -28,13 +28,13 @@ namespace {
 // might be: the sum of three stays finite, and orders stay orders.
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
 namespace hn = hwy::HWY_NAMESPACE;
-using Eight = hn::FixedTag<float, slots>;
-using EightInts = hn::FixedTag<std::int32_t, slots>;
+using Eight = hn::FixedTag<float, 8>;
+using EightInts = hn::FixedTag<std::int32_t, 8>;
 using Row = hn::Vec<Eight>;
 constexpr Eight eight;
 constexpr EightInts ints;
 
-// Rows 0 to 5 are the coordinates of the lower and the upper corners, a slot a lane.
+// Of eight children; rows 0 to 5 are the coordinates of the lower and the upper corners, a slot a lane.
 HWY_INLINE void transpose(const BinaryNode* const* children, Row* rows) {
   Row in[8], pairs[8], fours[8];
   for (int i = 0; i < 8; ++i) in[i] = hn::LoadU(eight, &children[i]->bounds.lower.x);
@@ -61,14 +61,17 @@ HWY_INLINE void transpose(const BinaryNode* const* children, Row* rows) {
 
 // Octants are lanes here.
 void WriteChildren(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
-  Row rows[6];
-  transpose(children, rows);
   alignas(32) float centers[3][slots];
-  for (int axis = 0; axis < 3; ++axis) {
-    hn::Store(rows[axis], eight, node.planes[axis][0]);
-    hn::Store(rows[axis + 3], eight, node.planes[axis][1]);
-    const Row quarter = hn::Set(eight, 0.25f);
-    hn::Store(hn::Add(hn::Mul(rows[axis], quarter), hn::Mul(rows[axis + 3], quarter)), eight, centers[axis]);
+  for (std::uint32_t first = 0; first < slots; first += 8) {
+    Row rows[6];
+    transpose(children + first, rows);
+    for (int axis = 0; axis < 3; ++axis) {
+      hn::Store(rows[axis], eight, node.planes[axis][0] + first);
+      hn::Store(rows[axis + 3], eight, node.planes[axis][1] + first);
+      const Row quarter = hn::Set(eight, 0.25f);
+      hn::Store(hn::Add(hn::Mul(rows[axis], quarter), hn::Mul(rows[axis + 3], quarter)), eight,
+                centers[axis] + first);
+    }
   }
   const auto octant = hn::Iota(ints, 0);
   const auto sign = [&](auto bit) { return hn::BitCast(eight, hn::ShiftLeft<31>(bit)); };
@@ -90,13 +93,22 @@ void WriteChildren(const BinaryNode* const* children, std::uint32_t count, WideN
     }
     places[high] = place;
   }
-  auto order = hn::Zero(ints);
+  // The nearest eight are in the lower half of an order.
+  auto nearer = hn::Zero(ints), farther = hn::Zero(ints);
   for (std::uint32_t slot = 0; slot < slots; ++slot) {
     const auto number = hn::Set(ints, static_cast<std::int32_t>(slot));
     const auto place = slot < count ? places[slot] : number;
-    order = hn::Or(order, hn::Shl(number, hn::Add(place, hn::Add(place, place))));
+    const auto in_half = hn::And(place, hn::Set(ints, 7));
+    const auto nibble = hn::Shl(number, hn::ShiftLeft<2>(in_half));
+    const auto is_near = hn::Eq(in_half, place);
+    nearer = hn::Or(nearer, hn::IfThenElseZero(is_near, nibble));
+    farther = hn::Or(farther, hn::IfThenZeroElse(is_near, nibble));
   }
-  hn::Store(order, ints, reinterpret_cast<std::int32_t*>(node.order));
+  alignas(32) std::uint32_t halves[2][octants];
+  hn::Store(nearer, ints, reinterpret_cast<std::int32_t*>(halves[0]));
+  hn::Store(farther, ints, reinterpret_cast<std::int32_t*>(halves[1]));
+  for (std::uint32_t octant = 0; octant < octants; ++octant)
+    node.order[octant] = std::uint64_t{halves[1][octant]} << 32 | halves[0][octant];
 }
 #else
 void WriteChildren(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
@@ -129,7 +141,7 @@ void WriteChildren(const BinaryNode* const* children, std::uint32_t count, WideN
   for (std::uint32_t octant = 0; octant < octants; ++octant) {
     node.order[octant] = 0;
     for (std::uint32_t slot = 0; slot < slots; ++slot)
-      node.order[octant] |= slot << (3 * places[slot][octant]);
+      node.order[octant] |= std::uint64_t{slot} << (4 * places[slot][octant]);
   }
 }
 #endif

@@ -349,9 +349,9 @@ LaidOut make_wide_bvh(const Geometry& geometry, const BinaryTree& tree) {
 
 std::size_t layout_memory_bound(std::size_t references) {
   // A subtree of up to eight references is always cheapest as a leaf, so wide nodes have more below them. And
-  // of a wide node and its parent one has at least five children, or the parent would have taken the other's:
-  // a child in four at most is a node.
-  const std::size_t nodes = references / 4 + 1;
+  // a wide node and its parent have at least eighteen children between them, or the parent would have taken
+  // the other's: a child in nine at most is a node.
+  const std::size_t nodes = references / 8 + 1;
   // A section is the child of a node of at least 2^(large_bits - 1) references.
   const std::size_t sections = 1 + wide_node_children * max_tree_depth * (references >> (large_bits - 1));
   return nodes * sizeof(WideNode) +

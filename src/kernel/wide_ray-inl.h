@@ -13,7 +13,7 @@
 #include <cstring>
 #include <limits>
 
-#include "kernel/eight_lanes-inl.h"
+#include "kernel/lanes-inl.h"
 #include "kernel/prepared_ray.hpp"
 #include "kernel/wide_bvh.hpp"
 #include "math/ray_box.hpp"
@@ -24,13 +24,16 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
+// As many boxes of a node as go into one vector, or what is the same for all of them.
+using BoxVector = hn::Vec<Sixteen::Tag>;
+
 #if HWY_TARGET == HWY_SCALAR
 struct Four {
   float lane[4];
 };
 template <int i>
-HWY_INLINE Eight broadcast_lane(const Four& v) {
-  return broadcast(v.lane[i]);
+HWY_INLINE BoxVector broadcast_lane(const Four& v) {
+  return hn::Set(Sixteen::Tag(), v.lane[i]);
 }
 HWY_INLINE Four three(const Vec3f& v) {
   return {{v.x, v.y, v.z, 0.0f}};
@@ -41,16 +44,19 @@ using Four = hn::Vec<FourTag>;
 
 // Lane i in all lanes, without a way through memory.
 template <int i>
-HWY_INLINE Eight broadcast_lane(Four v) {
-  Eight r;
+HWY_INLINE BoxVector broadcast_lane(Four v) {
 #if HWY_TARGET <= HWY_AVX2
-  const FloatTag tag;
-  const auto index = hn::Set(hn::RebindToSigned<FloatTag>(), i);
-  r.part[0] = hn::TableLookupLanes(hn::ZeroExtendVector(tag, v), hn::IndicesFromVec(tag, index));
+  const Sixteen::Tag tag;
+  const auto index = hn::IndicesFromVec(tag, hn::Set(hn::RebindToSigned<Sixteen::Tag>(), i));
+  const auto eight = hn::ZeroExtendVector(FloatTag(), v);
+#if HWY_TARGET <= HWY_AVX3
+  return hn::TableLookupLanes(hn::ZeroExtendVector(tag, eight), index);
 #else
-  for (auto& part : r.part) part = hn::Broadcast<i>(v);
+  return hn::TableLookupLanes(eight, index);
 #endif
-  return r;
+#else
+  return hn::Broadcast<i>(v);
+#endif
 }
 HWY_INLINE Four three(const Vec3f& v) {
   alignas(16) const float lanes[4] = {v.x, v.y, v.z, 0.0f};
@@ -167,10 +173,10 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
 
 // What a node step reads at every node.
 struct NodeConstants {
-  Eight inverse[3], enter[3], leave[3], t_min;
+  BoxVector inverse[3], enter[3], leave[3], t_min;
   std::uint32_t near[3], far[3];  // where in a node the planes of entry and of exit begin, in floats
 
-  HWY_INLINE explicit NodeConstants(const WideRay& ray) : t_min(broadcast(ray.t_min)) {
+  HWY_INLINE explicit NodeConstants(const WideRay& ray) : t_min(hn::Set(Sixteen::Tag(), ray.t_min)) {
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
       const std::uint32_t negative = (ray.octant >> axis) & 1;
       near[axis] = (2 * axis + negative) * wide_node_children;

@@ -17,8 +17,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "kernel/eight_lanes-inl.h"
 #include "kernel/interleaved-inl.h"
+#include "kernel/lanes-inl.h"
 #include "kernel/leaf_test-inl.h"
 #include "kernel/node_step-inl.h"
 #include "kernel/packet-inl.h"
@@ -40,7 +40,7 @@ constexpr std::size_t nodes_a_step = 3;
 // Takes up to `most` nodes off the stack, for which their children come.
 template <bool any_hit, bool counting, std::size_t most, class Stack>
 HWY_INLINE void step_next(const WideBvh& bvh, const NodeConstants& constants, std::uint32_t octant,
-                          const Eight& t_best, float best_t, Stack& stack, std::size_t& depth,
+                          BoxVector t_best, float best_t, Stack& stack, std::size_t& depth,
                           TraversalCounters* counters) {
   if constexpr (most > 0) {
     const ChildLink next(stack.link[depth - 1]);
@@ -64,7 +64,7 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
   best.t = std::min(caller_ray.t_max, std::numeric_limits<float>::max());
   const NodeConstants node_constants(ray);
   const LeafConstants leaf_constants(ray);
-  Eight t_best = broadcast(best.t);
+  BoxVector t_best = box_vector(best.t);
   Stack<nodes_a_step> stack;
   stack.link[0] = stack.bottom;
   std::size_t depth = 1;
@@ -100,7 +100,7 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
       }
       if (intersect_leaf<any_hit>(leaf_constants, bvh, link, caller_ray, best)) {
         if constexpr (any_hit) return best;
-        t_best = broadcast(best.t);
+        t_best = box_vector(best.t);
       }
     }
     do {
@@ -223,7 +223,7 @@ HWY_ATTR std::uint64_t repeat_node_steps(const WideBvh& bvh, const Ray& caller_r
   WideRay ray;
   if (!set_up(caller_ray, bvh, ray)) return 0;
   const NodeConstants constants(ray);
-  const Eight t_best = broadcast(std::min(caller_ray.t_max, std::numeric_limits<float>::max()));
+  const BoxVector t_best = box_vector(std::min(caller_ray.t_max, std::numeric_limits<float>::max()));
   Stack<1> stack;
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < count; ++i) {

@@ -16,14 +16,14 @@
 namespace kerf {
 namespace {
 
-constexpr std::uint32_t slots = 8;
+constexpr std::uint32_t slots = Collapse::slots;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// D(n, i) and the k that gives it, the lowest of several, for all i = 1 .. 8 at once: element i - 1 takes
+// D(n, i) and the k that gives it, the lowest of several, for all i = 1 .. 16 at once: element i - 1 takes
 // C(left, k) + C(right, i - k). D(n, 1) is infinite.
 struct Distribution {
-  alignas(32) float cost[slots];
-  alignas(32) std::int32_t left_share[slots];
+  alignas(64) float cost[slots];
+  alignas(64) std::int32_t left_share[slots];
 };
 
 }  // namespace
@@ -35,28 +35,37 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+// Lane i - 1 of the k-th takes lane i - k - 1, or, where there is none, the last, which is made infinite.
+struct Lanes {
+  alignas(64) std::int32_t of[slots - 1][slots];
+};
+constexpr Lanes lanes = [] {
+  Lanes table{};
+  for (std::int32_t k = 1; k < std::int32_t{slots}; ++k) {
+    for (std::int32_t lane = 0; lane < std::int32_t{slots}; ++lane)
+      table.of[k - 1][lane] = lane < k ? std::int32_t{slots} - 1 : lane - k;
+  }
+  return table;
+}();
+
 void Distribute(const float* left, const float* right, Distribution& to) {
   namespace hn = hwy::HWY_NAMESPACE;
-  constexpr hn::FixedTag<float, slots> eight;
+  constexpr hn::FixedTag<float, slots> floats;
   constexpr hn::FixedTag<std::int32_t, slots> ints;
   constexpr std::int32_t last = slots - 1;
-  // Lane i - 1 of the k-th takes lane i - k - 1, or, where there is none, the last, which is made infinite.
-  alignas(32) static constexpr std::int32_t lanes[last][slots] = {
-      {7, 0, 1, 2, 3, 4, 5, 6}, {7, 7, 0, 1, 2, 3, 4, 5}, {7, 7, 7, 0, 1, 2, 3, 4}, {7, 7, 7, 7, 0, 1, 2, 3},
-      {7, 7, 7, 7, 7, 0, 1, 2}, {7, 7, 7, 7, 7, 7, 0, 1}, {7, 7, 7, 7, 7, 7, 7, 0}};
-  const auto none = hn::Set(eight, infinity);
-  const auto costs = hn::IfThenElse(hn::FirstN(eight, slots - 1), hn::LoadU(eight, right), none);
+  const auto none = hn::Set(floats, infinity);
+  const auto costs = hn::IfThenElse(hn::FirstN(floats, slots - 1), hn::LoadU(floats, right), none);
   auto least = none;
   auto share = hn::Set(ints, 1);
   for (std::int32_t k = 1; k <= last; ++k) {
-    const auto shifted = hn::TableLookupLanes(costs, hn::SetTableIndices(eight, lanes[k - 1]));
-    const auto sum = hn::Add(hn::Set(eight, left[k - 1]), shifted);
+    const auto shifted = hn::TableLookupLanes(costs, hn::SetTableIndices(floats, lanes.of[k - 1]));
+    const auto sum = hn::Add(hn::Set(floats, left[k - 1]), shifted);
     const auto better = hn::Lt(sum, least);
     least = hn::IfThenElse(better, sum, least);
     share = hn::IfThenElse(hn::RebindMask(ints, better), hn::Set(ints, k), share);
   }
-  hn::Store(least, eight, to.cost);
+  hn::Store(least, floats, to.cost);
   hn::Store(share, ints, to.left_share);
 }
 #else
@@ -103,9 +112,33 @@ void distribute_beside_leaf(float leaf, const float* other, bool leaf_is_left, D
   }
 }
 
+// Where the k of D(n, i) stands in a node's word, and which bits it has.
+constexpr std::uint32_t share_shift(std::uint32_t i) {
+  std::uint32_t shift = 0;
+  for (std::uint32_t below = 2; below < i; ++below)
+    shift += static_cast<std::uint32_t>(std::bit_width(below - 1));
+  return shift;
+}
+struct Shares {
+  std::uint32_t shift[slots + 1], mask[slots + 1];
+};
+constexpr Shares shares = [] {
+  Shares table{};
+  for (std::uint32_t i = 2; i <= slots; ++i) {
+    table.shift[i] = share_shift(i);
+    table.mask[i] = (1u << std::bit_width(i - 1)) - 1;
+  }
+  return table;
+}();
+static_assert(share_shift(slots + 1) == 49);
+
+std::uint64_t share_bits(std::uint32_t i, std::int32_t share) {
+  return static_cast<std::uint64_t>(share) << shares.shift[i];
+}
+
 }  // namespace
 
-// C(n, i) for i = 1 .. 7, and what a parent needs to know beside.
+// C(n, i) for i = 1 .. 15, and what a parent needs to know beside.
 struct Collapse::Costs {
   float of[slots];  // the last is not used
   std::uint32_t references;
@@ -119,9 +152,9 @@ Collapse::Collapse(const BinaryTree& tree, const CollapseCosts& costs)
   solve(0, static_cast<std::uint32_t>(tree.nodes.size()), root);
 }
 
-std::uint32_t Collapse::size_bits(std::uint32_t references) {
-  return static_cast<std::uint32_t>(std::bit_width(references)) << size_shift |
-         std::min(references, max_leaf_references + 1) << few_shift;
+std::uint64_t Collapse::size_bits(std::uint32_t references) {
+  return static_cast<std::uint64_t>(std::bit_width(references)) << size_shift |
+         std::uint64_t{std::min(references, max_leaf_references + 1)} << few_shift;
 }
 
 // Builders number what is below a left child first, then what is below the right one, up to `end`. That only
@@ -164,7 +197,7 @@ void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right
   const float area = half_area(tree_->nodes[node].bounds);
   costs.references = left.references + right.references;
   costs.is_binary_leaf = false;
-  std::uint32_t decision = size_bits(costs.references);
+  std::uint64_t decision = size_bits(costs.references);
   float least = area + best.cost[slots - 1];
   if (costs.references <= max_leaf_references) {
     const float leaf = area * (costs_.leaf + costs_.triangle * static_cast<float>(costs.references));
@@ -177,23 +210,23 @@ void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right
   if (left.is_binary_leaf && right.is_binary_leaf) {  // more than two slots are of no use
     const bool divides = best.cost[1] < least;
     std::fill_n(costs.of + 1, slots - 1, divides ? best.cost[1] : least);
-    decisions_[node] = decision | (divides ? 1u : 0u) | 1u << (3 * (slots - 2));
+    decisions_[node] = decision | share_bits(2, divides ? 1 : 0) | share_bits(slots, 1);
     return;
   }
   for (std::uint32_t i = 2; i < slots; ++i) {
     const bool divides = best.cost[i - 1] < least;
     least = divides ? best.cost[i - 1] : least;
     costs.of[i - 1] = least;
-    decision |= (divides ? static_cast<std::uint32_t>(best.left_share[i - 1]) : 0u) << (3 * (i - 2));
+    decision |= share_bits(i, divides ? best.left_share[i - 1] : 0);
   }
   costs.of[slots - 1] = least;
-  decision |= static_cast<std::uint32_t>(best.left_share[slots - 1]) << (3 * (slots - 2));
+  decision |= share_bits(slots, best.left_share[slots - 1]);
   decisions_[node] = decision;
 }
 
 void Collapse::expand(std::uint32_t node, std::uint32_t i, Children& children) const {
   while (i > 1) {  // a node with one slot need not be looked at
-    const std::uint32_t left_share = (decisions_[node] >> (3 * (i - 2))) & 7u;
+    const auto left_share = static_cast<std::uint32_t>(decisions_[node] >> shares.shift[i]) & shares.mask[i];
     if (left_share == 0) {
       --i;
       continue;

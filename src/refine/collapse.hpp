@@ -16,25 +16,27 @@ struct CollapseCosts {
   float triangle = 0.03f;  ///< more for each of its triangles, which are tested together
 };
 
-/// The cost-optimal way to cut a binary tree into nodes of up to eight children (Ylitie, Karras & Laine 2017,
-/// "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3).
+/// The cost-optimal way to cut a binary tree into nodes of up to sixteen children (Ylitie, Karras & Laine
+/// 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3).
 ///
 /// With C(n, i) the least cost of the subtree n when it stands for up to i children of some wide node,
 ///
-///     C(n, 1) = min(leaf, A(n) + D(n, 8))           one child: a leaf or a wide node
-///     C(n, i) = min(D(n, i), C(n, i - 1))           2 <= i <= 7
+///     C(n, 1) = min(leaf, A(n) + D(n, 16))          one child: a leaf or a wide node
+///     C(n, i) = min(D(n, i), C(n, i - 1))           2 <= i <= 15
 ///     D(n, i) = min over k of C(left, k) + C(right, i - k)
 ///
 /// A node's costs are needed by its parent alone, so that what is kept of them is which minimum was taken:
-/// four bytes a node.
+/// eight bytes a node.
 class Collapse {
  public:
   /// On all threads of the task arena that this is called in. `tree` must outlive this.
   explicit Collapse(const BinaryTree& tree, const CollapseCosts& costs = {});
 
+  static constexpr std::uint32_t slots = 16;
+
   /// The binary nodes that are the children of the wide node of `node`, in the tree's order.
   struct Children {
-    std::array<std::uint32_t, 8> node;
+    std::array<std::uint32_t, slots> node;
     std::uint32_t count = 0;
   };
   Children children(std::uint32_t node) const;
@@ -43,7 +45,9 @@ class Collapse {
   bool is_leaf(std::uint32_t node) const { return (decisions_[node] & leaf_bit) != 0; }
 
   /// How many references stand below the node, or more than eight if there are more.
-  std::uint32_t few_references(std::uint32_t node) const { return decisions_[node] >> few_shift; }
+  std::uint32_t few_references(std::uint32_t node) const {
+    return static_cast<std::uint32_t>(decisions_[node] >> few_shift);
+  }
 
   /// Whether at least `2^(bits - 1)` references stand below the node.
   bool is_large(std::uint32_t node, std::uint32_t bits) const {
@@ -51,20 +55,21 @@ class Collapse {
   }
 
   /// What is held for a tree of that many nodes.
-  static constexpr std::size_t bytes(std::size_t nodes) { return nodes * sizeof(std::uint32_t); }
+  static constexpr std::size_t bytes(std::size_t nodes) { return nodes * sizeof(std::uint64_t); }
 
  private:
   // One word a node:
   //
-  //     bit 31..28          27..22           21           20..18  ...  5..3    2..0
+  //     bit 63..60          59..54           53           48..45  ...  2..1    0
   //     references,         bits of their    C(n, 1)      k of            k of    k of
-  //     at most nine        number           is a leaf    D(n, 8)         D(n, 3) D(n, 2)
+  //     at most nine        number           is a leaf    D(n, 16)        D(n, 3) D(n, 2)
   //
-  // A k of 0 stands for C(n, i) = C(n, i - 1).
-  static constexpr std::uint32_t leaf_bit = 1u << 21, size_shift = 22, few_shift = 28;
+  // A k of 0 stands for C(n, i) = C(n, i - 1). It is less than i, and has as many bits as that needs.
+  static constexpr std::uint64_t leaf_bit = std::uint64_t{1} << 53;
+  static constexpr std::uint32_t size_shift = 54, few_shift = 60;
 
   struct Costs;
-  static std::uint32_t size_bits(std::uint32_t references);
+  static std::uint64_t size_bits(std::uint32_t references);
   void solve(std::uint32_t node, std::uint32_t end, Costs& costs);
   void solve_leaf(std::uint32_t node, Costs& costs);
   void combine(std::uint32_t node, const Costs& left, const Costs& right, Costs& costs);
@@ -72,7 +77,7 @@ class Collapse {
 
   const BinaryTree* tree_;
   CollapseCosts costs_;
-  AlignedArray<std::uint32_t> decisions_;
+  AlignedArray<std::uint64_t> decisions_;
 };
 
 }  // namespace kerf

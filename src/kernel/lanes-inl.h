@@ -1,11 +1,14 @@
-// Eight floats, in as many vectors as the instruction set at hand needs. Included once per instruction set.
+// Eight floats or sixteen, in as many vectors as the instruction set at hand needs. Included once per
+// instruction set.
 
-#if defined(KERF_EIGHT_LANES_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef KERF_EIGHT_LANES_INL
-#undef KERF_EIGHT_LANES_INL
+#if defined(KERF_LANES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_LANES_INL
+#undef KERF_LANES_INL
 #else
-#define KERF_EIGHT_LANES_INL
+#define KERF_LANES_INL
 #endif
+
+#include <cstring>
 
 #include <hwy/highway.h>
 
@@ -25,42 +28,56 @@ using DoubleVector = hn::Vec<DoubleTag>;
 inline constexpr std::size_t double_lanes = hn::MaxLanes(DoubleTag());
 inline constexpr std::size_t double_count = 8 / double_lanes;
 
-struct Eight {
-  FloatVector part[vector_count];
+template <std::size_t count>
+struct Floats {
+  using Tag = hn::CappedTag<float, count>;
+  static constexpr std::size_t lanes = hn::MaxLanes(Tag()), parts = count / lanes;
+  hn::Vec<Tag> part[parts];
 };
+using Eight = Floats<8>;
+using Sixteen = Floats<16>;
 
-HWY_INLINE Eight load(const float* p) {
-  Eight r;
-  for (std::size_t i = 0; i < vector_count; ++i) r.part[i] = hn::LoadU(FloatTag(), p + i * vector_lanes);
+template <std::size_t count = 8>
+HWY_INLINE Floats<count> load(const float* p) {
+  using F = Floats<count>;
+  F r;
+  for (std::size_t i = 0; i < F::parts; ++i) r.part[i] = hn::LoadU(typename F::Tag(), p + i * F::lanes);
   return r;
 }
-HWY_INLINE Eight broadcast(float x) {
-  Eight r;
-  for (std::size_t i = 0; i < vector_count; ++i) r.part[i] = hn::Set(FloatTag(), x);
+template <std::size_t count = 8>
+HWY_INLINE Floats<count> broadcast(float x) {
+  using F = Floats<count>;
+  F r;
+  for (std::size_t i = 0; i < F::parts; ++i) r.part[i] = hn::Set(typename F::Tag(), x);
   return r;
 }
-HWY_INLINE void store(const Eight& a, float* p) {
-  for (std::size_t i = 0; i < vector_count; ++i) hn::StoreU(a.part[i], FloatTag(), p + i * vector_lanes);
+template <std::size_t count>
+HWY_INLINE void store(const Floats<count>& a, float* p) {
+  using F = Floats<count>;
+  for (std::size_t i = 0; i < F::parts; ++i) hn::StoreU(a.part[i], typename F::Tag(), p + i * F::lanes);
 }
 
-#define KERF_EIGHT_BINARY(name, operation)                                                      \
-  HWY_INLINE Eight name(const Eight& a, const Eight& b) {                                       \
-    Eight r;                                                                                    \
-    for (std::size_t i = 0; i < vector_count; ++i) r.part[i] = operation(a.part[i], b.part[i]); \
-    return r;                                                                                   \
+#define KERF_FLOATS_BINARY(name, operation)                                                \
+  template <std::size_t count>                                                             \
+  HWY_INLINE Floats<count> name(const Floats<count>& a, const Floats<count>& b) {          \
+    Floats<count> r;                                                                       \
+    for (std::size_t i = 0; i < r.parts; ++i) r.part[i] = operation(a.part[i], b.part[i]); \
+    return r;                                                                              \
   }
-KERF_EIGHT_BINARY(operator+, hn::Add)
-KERF_EIGHT_BINARY(operator-, hn::Sub)
-KERF_EIGHT_BINARY(operator*, hn::Mul)
-KERF_EIGHT_BINARY(minimum, hn::Min)
-KERF_EIGHT_BINARY(operator/, hn::Div)
-KERF_EIGHT_BINARY(maximum, hn::Max)
-#undef KERF_EIGHT_BINARY
+KERF_FLOATS_BINARY(operator+, hn::Add)
+KERF_FLOATS_BINARY(operator-, hn::Sub)
+KERF_FLOATS_BINARY(operator*, hn::Mul)
+KERF_FLOATS_BINARY(minimum, hn::Min)
+KERF_FLOATS_BINARY(operator/, hn::Div)
+KERF_FLOATS_BINARY(maximum, hn::Max)
+#undef KERF_FLOATS_BINARY
 
 // a * b + c, fused where the instruction set can: only where either result will do.
-HWY_INLINE Eight multiply_add(const Eight& a, const Eight& b, const Eight& c) {
-  Eight r;
-  for (std::size_t i = 0; i < vector_count; ++i) r.part[i] = hn::MulAdd(a.part[i], b.part[i], c.part[i]);
+template <std::size_t count>
+HWY_INLINE Floats<count> multiply_add(const Floats<count>& a, const Floats<count>& b,
+                                      const Floats<count>& c) {
+  Floats<count> r;
+  for (std::size_t i = 0; i < r.parts; ++i) r.part[i] = hn::MulAdd(a.part[i], b.part[i], c.part[i]);
   return r;
 }
 
@@ -70,34 +87,38 @@ HWY_INLINE Eight absolute(const Eight& a) {
   return r;
 }
 
-HWY_INLINE std::uint32_t bits(hn::Mask<FloatTag> mask) {
+template <class Tag>
+HWY_INLINE std::uint32_t bits(Tag tag, hn::Mask<Tag> mask) {
   alignas(8) std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(FloatTag(), mask, bytes);
-  return bytes[0];
+  hn::StoreMaskBits(tag, mask, bytes);
+  if constexpr (hn::MaxLanes(Tag()) <= 8) return bytes[0];
+  std::uint16_t both;
+  std::memcpy(&both, bytes, sizeof both);
+  return both;
 }
 
 // Bit i says whether a[i] <= b[i].
-HWY_INLINE std::uint32_t less_or_equal(const Eight& a, const Eight& b) {
+template <std::size_t count>
+HWY_INLINE std::uint32_t less_or_equal(const Floats<count>& a, const Floats<count>& b) {
   std::uint32_t r = 0;
-  for (std::size_t i = 0; i < vector_count; ++i) {
-    r |= bits(hn::Le(a.part[i], b.part[i])) << (i * vector_lanes);
-  }
+  for (std::size_t i = 0; i < a.parts; ++i)
+    r |= bits(typename Floats<count>::Tag(), hn::Le(a.part[i], b.part[i])) << (i * a.lanes);
   return r;
 }
 HWY_INLINE std::uint32_t less(const Eight& a, const Eight& b) {
   std::uint32_t r = 0;
   for (std::size_t i = 0; i < vector_count; ++i)
-    r |= bits(hn::Lt(a.part[i], b.part[i])) << (i * vector_lanes);
+    r |= bits(FloatTag(), hn::Lt(a.part[i], b.part[i])) << (i * vector_lanes);
   return r;
 }
 
-#if HWY_TARGET < HWY_AVX2
+#if HWY_TARGET <= HWY_AVX3
 // The lanes that `mask` has, in front.
-template <class V>
-HWY_INLINE V compress(V v, hn::Mask<FloatTag> mask) {
+template <class V, class M>
+HWY_INLINE V compress(V v, M mask) {
   return hn::Compress(v, hn::RebindMask(hn::DFromV<V>(), mask));
 }
-#elif HWY_TARGET == HWY_AVX2
+#elif HWY_TARGET != HWY_SCALAR
 struct FrontLanes {
   std::uint8_t lane[256][8];  // for each set of lanes, its lanes from 0 up
 };
@@ -112,16 +133,18 @@ constexpr FrontLanes front_lanes = [] {
   return table;
 }();
 
+#if HWY_TARGET == HWY_AVX2
 // As above. Highway's own has a table of 1 KiB that GCC 12 copies to the stack at each call, which takes a
 // third of the time of a ray.
 template <class V>
 HWY_INLINE V compress(V v, hn::Mask<FloatTag> mask) {
   const hn::RebindToUnsigned<FloatTag> integers;
   const hn::Rebind<std::uint8_t, FloatTag> bytes;
-  const auto lanes = hn::PromoteTo(integers, hn::LoadU(bytes, front_lanes.lane[bits(mask)]));
+  const auto lanes = hn::PromoteTo(integers, hn::LoadU(bytes, front_lanes.lane[bits(FloatTag(), mask)]));
   const hn::DFromV<V> tag;
   return hn::TableLookupLanes(v, hn::IndicesFromVec(tag, lanes));
 }
+#endif
 #endif
 
 // Lanes [i * double_lanes, (i + 1) * double_lanes) in double precision.
