@@ -19,8 +19,8 @@ namespace {
 constexpr std::uint32_t slots = Collapse::slots;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// D(n, i) and the k that gives it, the lowest of several, for all i = 1 .. 16 at once: element i - 1 takes
-// C(left, k) + C(right, i - k). D(n, 1) is infinite.
+// D(n, i) and the k that gives it, the lowest of several, for all i = 1 .. 16 at once and k up to `most`:
+// element i - 1 takes C(left, k) + C(right, i - k). D(n, 1) is infinite.
 struct Distribution {
   alignas(64) float cost[slots];
   alignas(64) std::int32_t left_share[slots];
@@ -49,16 +49,15 @@ constexpr Lanes lanes = [] {
   return table;
 }();
 
-void Distribute(const float* left, const float* right, Distribution& to) {
+void Distribute(const float* left, std::int32_t most, const float* right, Distribution& to) {
   namespace hn = hwy::HWY_NAMESPACE;
   constexpr hn::FixedTag<float, slots> floats;
   constexpr hn::FixedTag<std::int32_t, slots> ints;
-  constexpr std::int32_t last = slots - 1;
   const auto none = hn::Set(floats, infinity);
   const auto costs = hn::IfThenElse(hn::FirstN(floats, slots - 1), hn::LoadU(floats, right), none);
   auto least = none;
   auto share = hn::Set(ints, 1);
-  for (std::int32_t k = 1; k <= last; ++k) {
+  for (std::int32_t k = 1; k <= most; ++k) {
     const auto shifted = hn::TableLookupLanes(costs, hn::SetTableIndices(floats, lanes.of[k - 1]));
     const auto sum = hn::Add(hn::Set(floats, left[k - 1]), shifted);
     const auto better = hn::Lt(sum, least);
@@ -69,13 +68,13 @@ void Distribute(const float* left, const float* right, Distribution& to) {
   hn::Store(share, ints, to.left_share);
 }
 #else
-void Distribute(const float* left, const float* right, Distribution& to) {
+void Distribute(const float* left, std::int32_t most, const float* right, Distribution& to) {
   float shifted[2 * slots];  // from slots - k on, it begins with k that are infinite
   std::fill_n(shifted, slots, infinity);
   std::copy_n(right, slots, shifted + slots);
   std::fill_n(to.cost, slots, infinity);
   std::fill_n(to.left_share, slots, 1);
-  for (std::int32_t k = 1; k < static_cast<std::int32_t>(slots); ++k) {
+  for (std::int32_t k = 1; k <= most; ++k) {
     for (std::uint32_t i = 0; i < slots; ++i) {
       const float sum = left[k - 1] + shifted[slots - static_cast<std::uint32_t>(k) + i];
       const bool better = sum < to.cost[i];
@@ -142,7 +141,7 @@ std::uint64_t share_bits(std::uint32_t i, std::int32_t share) {
 struct Collapse::Costs {
   float of[slots];  // the last is not used
   std::uint32_t references;
-  bool is_binary_leaf;
+  std::uint32_t leaves;  // of the binary tree: more slots are of no use
 };
 
 Collapse::Collapse(const BinaryTree& tree, const CollapseCosts& costs)
@@ -180,23 +179,24 @@ void Collapse::solve_leaf(std::uint32_t node, Costs& costs) {
       half_area(binary.bounds) * (costs_.leaf + costs_.triangle * static_cast<float>(binary.count));
   std::fill_n(costs.of, slots, cost);
   costs.references = binary.count;
-  costs.is_binary_leaf = true;
+  costs.leaves = 1;
   decisions_[node] = leaf_bit | size_bits(binary.count);
 }
 
 // Written so that areas beyond the range of a float, all of whose sums are infinite, still give a valid tree.
 void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right, Costs& costs) {
   Distribution best;
-  if (left.is_binary_leaf) {
+  if (left.leaves == 1) {
     distribute_beside_leaf(left.of[0], right.of, true, best);
-  } else if (right.is_binary_leaf) {
+  } else if (right.leaves == 1) {
     distribute_beside_leaf(right.of[0], left.of, false, best);
   } else {
-    HWY_DYNAMIC_DISPATCH(Distribute)(left.of, right.of, best);
+    const auto most = static_cast<std::int32_t>(std::min(slots - 1, left.leaves));
+    HWY_DYNAMIC_DISPATCH(Distribute)(left.of, most, right.of, best);
   }
   const float area = half_area(tree_->nodes[node].bounds);
   costs.references = left.references + right.references;
-  costs.is_binary_leaf = false;
+  costs.leaves = left.leaves + right.leaves;
   std::uint64_t decision = size_bits(costs.references);
   float least = area + best.cost[slots - 1];
   if (costs.references <= max_leaf_references) {
@@ -207,19 +207,14 @@ void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right
     }
   }
   costs.of[0] = least;
-  if (left.is_binary_leaf && right.is_binary_leaf) {  // more than two slots are of no use
-    const bool divides = best.cost[1] < least;
-    std::fill_n(costs.of + 1, slots - 1, divides ? best.cost[1] : least);
-    decisions_[node] = decision | share_bits(2, divides ? 1 : 0) | share_bits(slots, 1);
-    return;
-  }
-  for (std::uint32_t i = 2; i < slots; ++i) {
+  const std::uint32_t most = std::min(slots - 1, costs.leaves);
+  for (std::uint32_t i = 2; i <= most; ++i) {
     const bool divides = best.cost[i - 1] < least;
     least = divides ? best.cost[i - 1] : least;
     costs.of[i - 1] = least;
     decision |= share_bits(i, divides ? best.left_share[i - 1] : 0);
   }
-  costs.of[slots - 1] = least;
+  std::fill(costs.of + most, costs.of + slots, least);
   decision |= share_bits(slots, best.left_share[slots - 1]);
   decisions_[node] = decision;
 }
