@@ -6,6 +6,7 @@
 
 #include <kerf/error.hpp>
 
+#include "kernel/any_hit_order.hpp"
 #include "kernel/wide_children.hpp"
 #include "parallel.hpp"
 #include "refine/collapse.hpp"
@@ -37,61 +38,6 @@ LeafTriangles different_triangles(const BinaryTree& tree, std::uint32_t node) {
       different.ids[different.count++] = all.ids[i];
   }
   return different;
-}
-
-// What a ray that looks for any hit may expect of a subtree whose box it enters.
-struct Prospect {
-  float hit;    // how likely it finds one
-  float steps;  // what it costs to look through all of it
-};
-
-// How full a leaf's box is makes little difference to the order (0.3 takes as few steps as the triangles'
-// areas do).
-Prospect prospect_of_leaf(std::uint32_t triangles) {
-  constexpr CollapseCosts costs;
-  return {0.3f, costs.leaf + costs.triangle * static_cast<float>(triangles)};
-}
-
-// Puts the children of a node into the order in which any-hit traversal takes them, the first into the last
-// slot: that with the most chance of a hit for its cost, which is the best order there is if neither tells
-// anything of the others (as for shadow rays in Ize & Hansen 2011, "RTSAH Traversal Order for Occlusion
-// Rays"). Their links stand in the tree's order. Returns the prospect of the node.
-Prospect arrange(const BinaryTree& tree, const Collapse::Children& children,
-                 const std::array<Prospect, wide_node_children>& prospects, WideNode& node) {
-  const std::uint32_t count = children.count;
-  std::array<std::uint32_t, wide_node_children> from{};
-  std::array<float, wide_node_children> value;
-  for (std::uint32_t child = 0; child < count; ++child) {
-    const float v = prospects[child].hit / prospects[child].steps;
-    std::uint32_t slot = child;
-    for (; slot > 0 && v < value[slot - 1]; --slot) {
-      value[slot] = value[slot - 1];
-      from[slot] = from[slot - 1];
-    }
-    value[slot] = v;
-    from[slot] = child;
-  }
-  std::array<const BinaryNode*, wide_node_children> binaries{};
-  std::array<ChildLink, wide_node_children> links;
-  Box3f bounds;
-  for (std::uint32_t slot = 0; slot < count; ++slot) {
-    binaries[slot] = &tree.nodes[children.node[from[slot]]];
-    bounds = merge(bounds, binaries[slot]->bounds);
-    links[slot] = node.children[from[slot]];
-  }
-  std::copy_n(links.begin(), count, node.children);
-  write_children(binaries.data(), count, node);
-
-  const float area = half_area(bounds);
-  float miss = 1.0f, steps = 1.0f;
-  for (std::uint32_t slot = 0; slot < count; ++slot) {
-    const Prospect& below = prospects[from[slot]];
-    const float entered =
-        std::min(1.0f, half_area(binaries[slot]->bounds) / area);  // 1 where that has no value
-    miss *= 1.0f - entered * below.hit;
-    steps += entered * below.steps;
-  }
-  return {1.0f - miss, steps};
 }
 
 // Where a leaf's row of triangle numbers stands.
