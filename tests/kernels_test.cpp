@@ -66,8 +66,13 @@ TEST(Kernels, CountingChangesNoHit) {
 
 TEST(Kernels, RaysThatKeepTogetherAreHitAsSingleOnes) {
   std::mt19937 random(12);
-  for (const float size : {0.05f, 0.6f}) {
-    TriangleSoup soup = random_soup(random, 3000, size, 0.5f);
+  struct Scene {
+    std::uint32_t triangles;
+    float size;
+  };
+  // The last has too many bytes for rays one after another.
+  for (const auto& [triangles, size] : {Scene{3000, 0.05f}, Scene{3000, 0.6f}, Scene{120000, 0.02f}}) {
+    TriangleSoup soup = random_soup(random, triangles, size, 0.5f);
     const std::vector<std::uint32_t> once(soup.triangles.begin(), soup.triangles.begin() + 300);
     soup.triangles.insert(soup.triangles.end(), once.begin(), once.end());  // ties
     std::vector<kerf::Ray> rays;

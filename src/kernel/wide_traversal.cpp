@@ -29,6 +29,10 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
+// Rays by turns hide the waiting for memory. A hierarchy of up to this many bytes is near enough to the core
+// for rays one after another, which take several nodes at a time (docs/decisions.md).
+[[maybe_unused]] constexpr std::size_t single_bytes = std::size_t{5} << 20;
+
 // After packets that fell apart one after another, twice as many each time are traced by turns before the
 // next try.
 [[maybe_unused]] constexpr std::uint32_t most_packets_let_pass = 32;
@@ -187,6 +191,11 @@ HWY_INLINE void trace_part(const WideBvh& bvh, const Ray* rays, std::uint32_t co
   }
   for (; i < count; ++i) apart[left++] = i;
   if (left == 0) return;
+  if (bvh.nodes.size_bytes() + bvh.leaves.size_bytes() <= single_bytes) {
+    for (std::uint32_t k = 0; k < left; ++k)
+      finish(apart[k], trace_any_ray<any_hit, false>(bvh, rays[apart[k]], nullptr));
+    return;
+  }
   Interleaved<any_hit> interleaved(bvh, rays, apart, left);
   interleaved.run(finish,
                   [&](const Ray& ray) HWY_ATTR { return trace_any_ray<any_hit, false>(bvh, ray, nullptr); });
