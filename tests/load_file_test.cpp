@@ -222,6 +222,12 @@ TEST(LoadFile, KeepsDegenerateTriangles) {
             2u);
 }
 
+std::string gltf_with_picture(std::string_view uri) {
+  constexpr std::string_view other = "absent.png";
+  std::string text = gltf(R"("uri":"buffer.bin",)");
+  return text.replace(text.find(other), other.size(), uri);
+}
+
 struct BadFile {
   std::string name, bytes;
   Error::Code code;
@@ -302,6 +308,16 @@ TEST(LoadFile, SaysInOneLineWhatIsWrongAndWhere) {
        "nodes[0]"},
       {"no_mesh.gltf", gltf(R"("uri":"buffer.bin",)", R"("mesh":5)"), Error::bad_format, "5"},
       {"deep.gltf", std::string(100000, '['), Error::bad_format, "nested"},
+      {"no_base64.gltf", gltf(R"("uri":"data:application/octet-stream,AAAA",)"), Error::bad_format,
+       "buffers[0]: a data URI"},
+      {"long_head.gltf", gltf(R"("uri":"data:a)" + std::string(130, 'b') + R"(;base64,AAAA",)"),
+       Error::bad_format, "buffers[0]: a data URI"},
+      {"digits.gltf", gltf(R"("uri":"data:;base64,AAAAAA*A",)"), Error::bad_format,
+       "buffers[0]: no base64 from character 6"},
+      {"picture.gltf", gltf_with_picture("data:image/png;base64,AAA"), Error::bad_format,
+       "images[0]: no base64 from character 3 of 3"},
+      {"twice.gltf", gltf(R"("uri":"buffer.bin",)", R"("mesh":0,"mesh":1)"), Error::bad_format,
+       "two members \"mesh\""},
       {"cut.glb", glb(gltf_buffer()).substr(0, 300), Error::bad_format, "truncated"},
       {"range.glb", glb(gltf_buffer(3)), Error::index_out_of_range, "index 2 names vertex 3"},
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <set>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -20,21 +22,33 @@ using Json = nlohmann::json;
 constexpr int deepest_nesting = 64;
 constexpr std::size_t deepest_node = 1000;
 
+/// assimp keeps where the data of a URI begin in a signed byte, and loses memory where they are not base64.
+constexpr std::size_t longest_data_head = 126;
+
+constexpr std::string_view base64_digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
 class GltfCheck {
  public:
   GltfCheck(const std::filesystem::path& file, std::string_view binary_chunk)
       : file_(file), binary_chunk_(binary_chunk) {}
 
   void run(std::string_view text) {
-    const auto shallow = [&](int depth, Json::parse_event_t, Json&) {
+    // What is checked must be what assimp reads, which takes the first of two members of a name.
+    std::vector<std::set<std::string>> members;
+    const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
       if (depth > deepest_nesting) fail("is nested too deeply");
+      if (event == Json::parse_event_t::object_start) members.emplace_back();
+      if (event == Json::parse_event_t::object_end) members.pop_back();
+      if (event == Json::parse_event_t::key && !members.back().insert(value.get<std::string>()).second)
+        fail(fmt::format("has two members {} in one object", value.dump()));
       return true;
     };
     try {
-      gltf_ = Json::parse(text, shallow);
+      gltf_ = Json::parse(text, watch);
       if (!gltf_.is_object()) fail("is not a JSON object");
       check_nodes();
       for (std::size_t i = 0; i < list(gltf_, "buffers").size(); ++i) buffer(i);
+      check_images();
       const Json& meshes = list(gltf_, "meshes");
       for (std::size_t i = 0; i < meshes.size(); ++i) check_mesh(i, meshes[i]);
     } catch (const Json::exception& e) {
@@ -85,6 +99,15 @@ class GltfCheck {
       for (std::uint64_t up = parent[i]; up != nodes.size(); up = parent[up]) {
         if (++depth > deepest_node) fail(fmt::format("nodes[{}] is its own ancestor, or too deep", i));
       }
+    }
+  }
+
+  // Nobody looks at pictures, but they are read.
+  void check_images() const {
+    const Json& images = list(gltf_, "images");
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      const std::string uri = images[i].value("uri", "");
+      if (uri.starts_with("data:")) data_of(fmt::format("images[{}]", i), uri);
     }
   }
 
@@ -141,7 +164,7 @@ class GltfCheck {
     if (!buffer.contains("uri")) {
       bytes = binary_chunk_;
     } else if (const auto uri = buffer["uri"].get<std::string>(); uri.starts_with("data:")) {
-      bytes = decode_base64(std::string_view(uri).substr(std::min(uri.size(), uri.find(',') + 1)));
+      bytes = decode_base64(data_of(fmt::format("buffers[{}]", number), uri));
     } else {
       try {
         bytes = read_bytes(file_.parent_path() / decode_percents(uri));
@@ -156,13 +179,28 @@ class GltfCheck {
     return bytes;
   }
 
+  // What follows the comma of a data URI: groups of four digits, the last with up to two signs of padding.
+  std::string_view data_of(const std::string& place, std::string_view uri) const {
+    const std::size_t comma = uri.find(',');
+    const std::string_view head = uri.substr(0, std::min(uri.size(), comma));
+    if (comma == std::string_view::npos || comma > longest_data_head || !head.ends_with(";base64"))
+      fail(fmt::format("{}: a data URI that does not begin like data:application/octet-stream;base64,",
+                       place));
+    const std::string_view text = uri.substr(comma + 1);
+    const std::size_t digits = std::min(text.size(), text.find_first_not_of(base64_digits));
+    if (text.size() % 4 != 0 || text.size() - digits > 2 ||
+        text.find_first_not_of('=', digits) != std::string_view::npos) {
+      fail(fmt::format("{}: no base64 from character {} of {} on", place, digits, text.size()));
+    }
+    return text;
+  }
+
   static std::string decode_base64(std::string_view text) {
     std::string bytes;
     std::uint32_t bits = 0;
     int count = 0;
     for (const char c : text) {
-      constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-      const std::size_t digit = digits.find(c);
+      const std::size_t digit = base64_digits.find(c);
       if (digit == std::string_view::npos) break;  // the padding at the end
       bits = bits << 6 | static_cast<std::uint32_t>(digit);
       if ((count += 6) >= 8) bytes.push_back(static_cast<char>(bits >> (count -= 8) & 0xff));
