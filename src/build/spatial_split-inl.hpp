@@ -14,6 +14,7 @@
 #include "build/arena.hpp"
 #include "build/chop-inl.hpp"
 #include "build/spatial_bins-inl.hpp"
+#include "math/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -37,15 +38,14 @@ struct SpatialSplit {
 
   enum Side { left, both, right };
 
-  HWY_INLINE bool straddled_by(const Reference& reference) const {
-    return static_cast<int>(((&reference.lower.x)[axis] - origin) * scale < plane_number) &
-           static_cast<int>(((&reference.upper.x)[axis] - origin) * scale > plane_number);
+  HWY_INLINE bool begins_left(const Reference& reference) const {
+    return ((&reference.lower.x)[axis] - origin) * scale < plane_number;
   }
-
+  HWY_INLINE bool ends_right(const Reference& reference) const {
+    return ((&reference.upper.x)[axis] - origin) * scale > plane_number;
+  }
   HWY_INLINE Side side_of(const Reference& reference) const {
-    const bool begins_left = ((&reference.lower.x)[axis] - origin) * scale < plane_number;
-    const bool ends_right = ((&reference.upper.x)[axis] - origin) * scale > plane_number;
-    return !begins_left ? right : ends_right ? both : left;
+    return !begins_left(reference) ? right : ends_right(reference) ? both : left;
   }
 };
 
@@ -66,7 +66,7 @@ class StraddlerSearch {
         scale_(hn::Set(lanes, split.scale)),
         plane_(hn::Set(lanes, split.plane_number)) {}
 
-  // As SpatialSplit::straddled_by, for the references from `first` on. Writes their numbers, returns how many
+  // As SpatialSplit::side_of, for the references from `first` on. Writes their numbers, returns how many
   // they are.
   HWY_INLINE std::uint32_t find(const Reference* from, std::uint32_t first, std::uint32_t* to) const {
     hn::Vec<Lanes>
@@ -77,7 +77,7 @@ class StraddlerSearch {
     const auto one_lane_each = hn::Eq(hn::And(hn::Iota(numbers, 0), hn::Set(numbers, 1)), hn::Zero(numbers));
     const auto chosen = hn::And(hn::RebindMask(numbers, straddles), one_lane_each);
     const auto ids = hn::Add(hn::ShiftRight<1>(hn::Iota(numbers, 0)), hn::Set(numbers, first));
-    hn::StoreU(hn::Compress(ids, chosen), numbers, to);
+    hn::StoreU(compress(ids, chosen), numbers, to);
     return static_cast<std::uint32_t>(hn::CountTrue(numbers, chosen));
   }
 
@@ -126,7 +126,8 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
       found += search.find(references, i, straddlers + found);
     for (; count - i < StraddlerSearch::references && i < count; ++i) {
       straddlers[found] = i;
-      found += split.straddled_by(references[i]) ? 1 : 0;
+      found +=
+          std::uint32_t{split.begins_left(references[i])} & std::uint32_t{split.ends_right(references[i])};
     }
     straddling -= static_cast<std::int32_t>(found);
     for (std::uint32_t k = 0; k < found; ++k) geometry.prefetch_indices(references[straddlers[k]].primitive);

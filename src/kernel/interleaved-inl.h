@@ -17,6 +17,7 @@
 #include "kernel/leaf_test-inl.h"
 #include "kernel/node_step-inl.h"
 #include "kernel/wide_ray-inl.h"
+#include "math/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {

@@ -72,21 +72,6 @@ KERF_FLOATS_BINARY(operator/, hn::Div)
 KERF_FLOATS_BINARY(maximum, hn::Max)
 #undef KERF_FLOATS_BINARY
 
-// a * b + c, fused where the instruction set can: only where either result will do.
-template <std::size_t count>
-HWY_INLINE Floats<count> multiply_add(const Floats<count>& a, const Floats<count>& b,
-                                      const Floats<count>& c) {
-  Floats<count> r;
-  for (std::size_t i = 0; i < r.parts; ++i) r.part[i] = hn::MulAdd(a.part[i], b.part[i], c.part[i]);
-  return r;
-}
-
-HWY_INLINE Eight absolute(const Eight& a) {
-  Eight r;
-  for (std::size_t i = 0; i < vector_count; ++i) r.part[i] = hn::Abs(a.part[i]);
-  return r;
-}
-
 template <class Tag>
 HWY_INLINE std::uint32_t bits(Tag tag, hn::Mask<Tag> mask) {
   alignas(8) std::uint8_t bytes[8] = {};
@@ -111,41 +96,6 @@ HWY_INLINE std::uint32_t less(const Eight& a, const Eight& b) {
     r |= bits(FloatTag(), hn::Lt(a.part[i], b.part[i])) << (i * vector_lanes);
   return r;
 }
-
-#if HWY_TARGET <= HWY_AVX3
-// The lanes that `mask` has, in front.
-template <class V, class M>
-HWY_INLINE V compress(V v, M mask) {
-  return hn::Compress(v, hn::RebindMask(hn::DFromV<V>(), mask));
-}
-#elif HWY_TARGET != HWY_SCALAR
-struct FrontLanes {
-  std::uint8_t lane[256][8];  // for each set of lanes, its lanes from 0 up
-};
-constexpr FrontLanes front_lanes = [] {
-  FrontLanes table{};
-  for (std::size_t set = 0; set < 256; ++set) {
-    std::size_t count = 0;
-    for (std::uint8_t lane = 0; lane < 8; ++lane) {
-      if (set >> lane & 1) table.lane[set][count++] = lane;
-    }
-  }
-  return table;
-}();
-
-#if HWY_TARGET == HWY_AVX2
-// As above. Highway's own has a table of 1 KiB that GCC 12 copies to the stack at each call, which takes a
-// third of the time of a ray.
-template <class V>
-HWY_INLINE V compress(V v, hn::Mask<FloatTag> mask) {
-  const hn::RebindToUnsigned<FloatTag> integers;
-  const hn::Rebind<std::uint8_t, FloatTag> bytes;
-  const auto lanes = hn::PromoteTo(integers, hn::LoadU(bytes, front_lanes.lane[bits(FloatTag(), mask)]));
-  const hn::DFromV<V> tag;
-  return hn::TableLookupLanes(v, hn::IndicesFromVec(tag, lanes));
-}
-#endif
-#endif
 
 // Lanes [i * double_lanes, (i + 1) * double_lanes) in double precision.
 template <class Lanes = Eight>

@@ -13,6 +13,7 @@
 
 #include "kernel/lanes-inl.h"
 #include "kernel/wide_ray-inl.h"
+#include "math/compress-inl.h"
 #include "tree/binary_tree.hpp"
 
 HWY_BEFORE_NAMESPACE();

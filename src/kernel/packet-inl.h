@@ -88,10 +88,7 @@ class Packet {
       extent = std::max(extent, upper[a] - lower[a]);
     }
     if (!(spread <= greatest_spread * extent)) return false;
-    const V margin = hn::Mul(
-        hn::Set(tag, 0x1p-24f),
-        hn::Add(hn::Mul(distance, hn::Set(tag, RayBoxes::margin_of_distance + RayBoxes::margin_of_origin)),
-                hn::Set(tag, RayBoxes::margin_of_origin * bvh_.largest_coordinate)));
+    const V margin = boxes_margin(tag, distance, bvh_);
     float least_margin, bundle_margin;
     find_range(hn::Add(margin, margin), least_margin,
                bundle_margin);  // twice: also for the bundle's own rounding

@@ -125,6 +125,15 @@ struct ShearAxes {
 constexpr ShearAxes shear_axes[3][2] = {
     {{{1, 2, 0}}, {{2, 1, 0}}}, {{{2, 0, 1}}, {{0, 2, 1}}}, {{{0, 1, 2}}, {{1, 0, 2}}}};
 
+// The margin of `RayBoxes`, or more: no coordinate of the origin exceeds distance + largest_coordinate.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> boxes_margin(Tag tag, hn::Vec<Tag> distance, const WideBvh& bvh) {
+  return hn::Mul(
+      hn::Set(tag, 0x1p-24f),
+      hn::Add(hn::Mul(distance, hn::Set(tag, RayBoxes::margin_of_distance + RayBoxes::margin_of_origin)),
+              hn::Set(tag, RayBoxes::margin_of_origin * bvh.largest_coordinate)));
+}
+
 // False for a ray that `PreparedRay` has to scale or to refuse. The shear is that of `RayShear` to the last
 // bit; the boxes' margin may differ, which no hit shows.
 HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
@@ -140,12 +149,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
 
   const Four distance = largest_of_three(hn::Max(hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.lower.x))),
                                                  hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.upper.x)))));
-  // No coordinate of the origin exceeds distance + largest_coordinate: this is the margin of `RayBoxes`, or
-  // more.
-  const Four margin = hn::Mul(
-      hn::Set(tag, 0x1p-24f),
-      hn::Add(hn::Mul(distance, hn::Set(tag, RayBoxes::margin_of_distance + RayBoxes::margin_of_origin)),
-              hn::Set(tag, RayBoxes::margin_of_origin * bvh.largest_coordinate)));
+  const Four margin = boxes_margin(tag, distance, bvh);
   const Four positive =
       hn::Div(hn::Set(tag, 1.0f), hn::Max(absolute, hn::Mul(largest, hn::Set(tag, 0x1p-26f))));
   const Four inverse = hn::CopySign(positive, d);
