@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <kerf/kerf.hpp>
 
@@ -57,6 +58,7 @@ void check_name(const kerf::Bvh& bvh, const Answer& answer) {
 /// Asks every kind of question. The answers may be any: they must come, and name triangles that there are.
 inline void question(const kerf::Bvh& bvh) {
   const kerf::Box3f bounds = bvh.bounds();
+  std::vector<kerf::Ray> rays;
   const kerf::Vec3f points[] = {{0.1f, 0.2f, 0.3f}, bounds.lower, {0, 0, 0}, {5, -7, 3}};
   for (const kerf::Vec3f& origin : points) {
     for (const kerf::Vec3f& direction :
@@ -64,12 +66,21 @@ inline void question(const kerf::Bvh& bvh) {
       const kerf::Ray ray{.origin = origin, .direction = direction};
       if (const auto hit = bvh.intersect(ray)) check_name(bvh, *hit);
       (void)bvh.occluded(ray);
+      rays.push_back(ray);
       bvh.all_hits(ray, [&](const kerf::Hit& hit) { check_name(bvh, hit); });
     }
     (void)bvh.contains(origin);
+    (void)bvh.signed_distance(origin);
     if (const auto closest = bvh.closest_point(origin)) check_name(bvh, *closest);
     for (const auto& near : bvh.within(origin, 0.5f)) check_name(bvh, near);
   }
+  std::vector<kerf::Hit> hits(rays.size());
+  bvh.intersect(rays, hits);
+  for (const kerf::Hit& hit : hits) {
+    if (hit) check_name(bvh, hit);
+  }
+  std::vector<std::uint8_t> occluded(rays.size());
+  bvh.occluded(rays, occluded);
   for (const auto& place : bvh.triangles_in({{-1, -1, -1}, {0.5f, 0.5f, 0.5f}})) check_name(bvh, place);
 }
 

@@ -250,5 +250,31 @@ TEST(KerfFile, LinksThatLeadAstrayAreRefused) {
             "a node whose visiting order does not name each child once (0)");
 }
 
+// Large enough to be read and checked in many parts at once.
+TEST(KerfFile, OfALargeFileTheFirstThatIsWrongIsNamedWhoeverSawItFirst) {
+  const Bvh bvh = build(workbench::make_torus(256, 192).mesh());
+  const TemporaryDirectory directory;
+  bvh.save(directory / "large.kerf");
+  const std::string file = read_bytes(directory / "large.kerf");
+  ASSERT_GT(file.size(), std::size_t{1} << 22);
+  EXPECT_EQ(saved(Bvh::load(directory / "large.kerf")), file);
+
+  FileHeader header;
+  std::memcpy(&header, file.data(), sizeof header);
+  ASSERT_GT(header.nodes, 1024u);
+  std::string changed = file;
+  const auto spoil = [&](std::uint32_t node) {
+    const std::size_t order =
+        FileLayout(header).nodes_at + node * sizeof(WideNode) + offsetof(WideNode, order);
+    std::memset(changed.data() + order, 0, sizeof(std::uint64_t));
+    forged::sign(std::as_writable_bytes(std::span(changed)));
+    return error_of([&] { forged::load(bytes_of(changed)); }).second;
+  };
+  for (const std::uint32_t node : {header.nodes - 1, header.nodes / 2, header.nodes / 3}) {
+    const std::string sentence = "a node whose visiting order does not name each child once";
+    EXPECT_EQ(spoil(node), sentence + " (" + std::to_string(node) + ")");
+  }
+}
+
 }  // namespace
 }  // namespace kerf

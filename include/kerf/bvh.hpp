@@ -106,8 +106,8 @@ class KERF_API Bvh {
   void save(const std::filesystem::path& path) const;
 
   /// Reads a file that `save` wrote. Everything in it is checked before it is used: a damaged or forged file
-  /// is refused with `Error::bad_format`, which says what is wrong. Throws `Error::io` or `out_of_memory`,
-  /// too. Of the statistics, those that tell of the build itself are 0.
+  /// is refused with `Error::bad_format`, which says what is wrong. All cores, if the file is large. Throws
+  /// `Error::io` or `out_of_memory`, too. Of the statistics, those that tell of the build itself are 0.
   static Bvh load(const std::filesystem::path& path);
 
   /// As `load`, but shows the file where it lies, in memory shared by all processes that do so. For files

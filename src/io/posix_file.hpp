@@ -19,13 +19,15 @@ class InputFile {
 
   std::uint64_t size() const { return size_; }
 
-  /// Fills `bytes` with those at `offset`.
+  /// Fills `bytes` with those at `offset`; on all cores if they are many.
   void read(std::span<std::byte> bytes, std::uint64_t offset) const;
 
   /// The whole file, mapped; its memory follows what others write to the file. Not for an empty file.
   std::shared_ptr<const std::byte> map() const;
 
  private:
+  void read_part(std::span<std::byte> bytes, std::uint64_t offset) const;
+
   const std::filesystem::path& path_;
   int descriptor_;
   std::uint64_t size_;
