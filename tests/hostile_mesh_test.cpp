@@ -142,6 +142,34 @@ TEST(HostileMeshes, OfOrdersOfMagnitudeApartOnlyTrianglesAreHit) {
   EXPECT_GT(hits, 100u);
 }
 
+// One face lies nearly in a line: by less than double precision sees, but without it the solid has a hole.
+TEST(HostileMeshes, ASolidKeepsTheThinnestOfItsFaces) {
+  std::mt19937 random(6);
+  for (const float shift : {1e-8f, 1e-18f, 1e-45f}) {
+    const Vec3f a{shift, 0, 0}, b{1, 1, 1}, c{3, 3, 3}, d{0, 0, 5};
+    const Soup solid({{a, b, c}, {a, c, d}, {a, d, b}, {b, d, c}});
+    const Bvh bvh = build(solid.mesh());
+    EXPECT_EQ(bvh.statistics().degenerate_triangles, 0u) << shift;
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3f origin{9, -7, 3}, at = uniform(random, 0.0f, 3.0f) * b;
+      EXPECT_EQ(gather(bvh, {.origin = origin, .direction = at - origin}).size() % 2, 0u) << shift;
+    }
+  }
+}
+
+TEST(HostileMeshes, CornersInOneLineAreDegenerateHoweverFarApart) {
+  std::mt19937 random(7);
+  std::vector<Triangle> lines;
+  while (lines.size() < 1000) {
+    const auto on_line = [&, along = Vec3f{1, 3, 5}] {
+      const auto steps = static_cast<float>(1 + random() % (1u << 21));
+      return std::ldexp(steps, static_cast<int>(random() % 80) - 40) * along;
+    };
+    lines.push_back({on_line(), on_line(), on_line()});
+  }
+  EXPECT_EQ(build(Soup(lines).mesh()).statistics().degenerate_triangles, lines.size());
+}
+
 TEST(HostileMeshes, CoordinatesBeyondAQuarterOfTheRangeAreRefused) {
   for (const float beyond : {0x1p126f, 3.4e38f, -3.4e38f}) {
     const Soup mesh({Triangle{{0, 0, 0}, {1, 0, beyond}, {0, 1, 0}}});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "math/box3f.hpp"
+#include "math/predicates.hpp"
 
 namespace kerf {
 
@@ -13,14 +14,17 @@ inline Box3f bounds_of(const Triangle& t) {
   return {min(min(t.v0, t.v1), t.v2), max(max(t.v0, t.v1), t.v2)};
 }
 
-/// True for a triangle without area. Twice the area is the length of the cross product of two edges. In
-/// double precision the edges of floats are exact (or nearly: where exponents are 2^29 apart), and neither
-/// 1e-9 squared nor 1e38 squared leaves the range; so only a triangle whose corners are in one line, as
-/// exactly as that can be said, is degenerate.
+/// True for a triangle without area: its corners are in one line. Twice the area is the length of the cross
+/// product of two edges; where double precision leaves open whether that is zero, exact arithmetic decides.
 inline bool is_degenerate(const Triangle& t) {
-  const double ux = double{t.v1.x} - t.v0.x, uy = double{t.v1.y} - t.v0.y, uz = double{t.v1.z} - t.v0.z;
-  const double vx = double{t.v2.x} - t.v0.x, vy = double{t.v2.y} - t.v0.y, vz = double{t.v2.z} - t.v0.z;
-  return uy * vz == uz * vy && uz * vx == ux * vz && ux * vy == uy * vx;
+  const Vec3d u = difference(t.v1, t.v0), v = difference(t.v2, t.v0);
+  const auto differ = [](double a, double b) {
+    constexpr double bound = 6.0 / 9007199254740992.0;  // as in `orientation_2d`
+    return std::abs(a - b) > bound * (std::abs(a) + std::abs(b));
+  };
+  if (differ(u.y * v.z, u.z * v.y) || differ(u.z * v.x, u.x * v.z) || differ(u.x * v.y, u.y * v.x))
+    return false;
+  return t.v0 == t.v1 || t.v1 == t.v2 || t.v2 == t.v0 || collinear(t.v0, t.v1, t.v2);
 }
 
 }  // namespace kerf
