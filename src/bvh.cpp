@@ -109,8 +109,7 @@ bool occluded_counted(const Bvh& bvh, const Ray& ray, TraversalCounters& counter
 
 Bvh make_bvh(const Geometry& geometry, BinaryTree tree, unsigned threads) {
   auto structure = std::make_shared<Bvh::Structure>();
-  tbb::task_arena arena(usable_threads(threads));
-  LaidOut laid_out = execute_in(arena, [&] { return make_wide_bvh(geometry, tree); });
+  LaidOut laid_out = on_threads(threads, [&] { return make_wide_bvh(geometry, tree); });
   structure->wide = std::move(laid_out.wide);
   structure->first_triangles.assign(geometry.first_triangles().begin(), geometry.first_triangles().end());
   structure->kernels = &choose_kernels();

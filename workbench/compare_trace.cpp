@@ -22,10 +22,6 @@ constexpr std::size_t grain = 256;
 // the spread of results for other numbers.
 constexpr std::size_t slice_count = 128;
 
-tbb::task_arena make_arena(unsigned threads) {
-  return threads == 0 ? tbb::task_arena() : tbb::task_arena(static_cast<int>(threads));
-}
-
 // The hits end up in memory, so that no compiler may leave the tracing out.
 void trace(const kerf::Bvh& bvh, const RaySet& set, std::size_t begin, std::size_t end,
            std::span<kerf::Hit> hits) {
@@ -54,8 +50,7 @@ CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned thre
     steps += counters.steps;
     triangle_tests += counters.triangle_tests;
   };
-  tbb::task_arena arena = make_arena(threads);
-  kerf::execute_in(arena,
+  kerf::on_threads(threads,
                    [&] { kerf::parallel_for_ranges(std::size_t{0}, set.rays.size(), grain, trace_block); });
   pass.steps = steps;
   pass.triangle_tests = triangle_tests;

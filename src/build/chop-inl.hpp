@@ -8,8 +8,7 @@
 #define KERF_BUILD_CHOP_INL
 #endif
 
-#include <cstring>
-
+#include "build/load_corner-inl.hpp"
 #include "build/simd_box-inl.hpp"
 #include "math/clip.hpp"
 #include "tree/geometry.hpp"
@@ -17,20 +16,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
-
-// Corners without a negative zero: instruction sets disagree about which zero is the lesser.
-HWY_INLINE Vec4 load_corner(const TripleView<float>& vertices, std::uint32_t index) {
-  const std::byte* const at = vertices.data() + index * vertices.stride();
-  Vec4 corner;
-  if (index + 1 < vertices.size() && vertices.stride() >= 4) {  // a fourth float can be read
-    corner = hn::LoadU(four, reinterpret_cast<const float*>(at));
-  } else {
-    alignas(16) float copy[4] = {};
-    std::memcpy(copy, at, 3 * sizeof(float));
-    corner = hn::Load(four, copy);
-  }
-  return hn::Add(corner, hn::Zero(four));
-}
 
 // As `chop` in math/clip.hpp, whose comments explain it; but the three edges are treated alike, without a
 // branch.

@@ -6,6 +6,7 @@
 
 #include <kerf/error.hpp>
 
+#include "build/read_triangles.hpp"
 #include "parallel.hpp"
 
 namespace kerf {
@@ -18,11 +19,7 @@ template <class... Values>
   throw Error(code, sentence);
 }
 
-// Sums and differences of two coordinates, and what is made of these, stay finite below a quarter of the
-// range.
-constexpr float coordinate_limit = 0x1p126f;
-
-// Throws for the first triangle of `geometry` that is wrong, of those from `id` on.
+// Throws for triangle `id` of `geometry`, in which something is wrong.
 [[noreturn]] void explain(const Geometry& geometry, std::uint32_t id) {
   const auto [m, i] = geometry.locate(id);
   const TriangleMesh& mesh = geometry.meshes()[m];
@@ -45,38 +42,10 @@ constexpr float coordinate_limit = 0x1p126f;
   fail(Error::invalid_argument, "triangle %u of mesh %u cannot be read", i, m);
 }
 
-constexpr std::uint32_t nothing_wrong = 0xffffffffu;
-
-// A row of triangles of one mesh, which one task reads.
+// What one task reads.
 struct Block {
-  std::uint32_t mesh, begin, end;  // triangles within the mesh
-  std::uint32_t first_id;          // that of `begin`
-  std::uint32_t count = 0;         // references written from place `first_id` on
-  std::uint32_t wrong = nothing_wrong;
-  Box3f box, doubled_centroids;
-
-  void read(const Geometry& geometry, Reference* references) {
-    const TriangleMesh& m = geometry.meshes()[mesh];
-    for (std::uint32_t i = begin; i < end; ++i) {
-      const std::uint32_t id = first_id + (i - begin);
-      const auto [a, b, c] = m.triangles[i].values;
-      if (std::max({a, b, c}) >= m.vertices.size()) return stop(id);
-      const Triangle triangle = geometry.triangle_of(mesh, i);
-      // Infinity times zero is not a number; four times what is beyond the limit is infinite.
-      const Vec3f sum = triangle.v0 * 4.0f * 0.0f + triangle.v1 * 4.0f * 0.0f + triangle.v2 * 4.0f * 0.0f;
-      if (!(sum.x + sum.y + sum.z == 0.0f)) return stop(id);
-      if (is_degenerate(triangle)) continue;
-      Box3f bounds = bounds_of(triangle);
-      // No negative zeros: instruction sets disagree about which zero is the lesser.
-      const Vec3f zero;
-      bounds = {bounds.lower + zero, bounds.upper + zero};
-      box = merge(box, bounds);
-      doubled_centroids = merge(doubled_centroids, bounds.lower + bounds.upper);
-      references[first_id + count++] = Reference(bounds, id);
-    }
-  }
-
-  void stop(std::uint32_t id) { wrong = id; }
+  TriangleRow row;  // its references are written from place `first_id` on
+  ReadTriangles read;
 };
 
 std::vector<Block> blocks_of(const Geometry& geometry) {
@@ -86,12 +55,11 @@ std::vector<Block> blocks_of(const Geometry& geometry) {
     const std::uint32_t first = geometry.first_triangles()[m],
                         count = geometry.first_triangles()[m + 1] - first;
     for (std::uint32_t begin = 0; begin < count; begin += block_size) {
-      blocks.push_back({.mesh = m,
-                        .begin = begin,
-                        .end = std::min(begin + block_size, count),
-                        .first_id = first + begin,
-                        .box = {},
-                        .doubled_centroids = {}});
+      blocks.push_back({.row = {.mesh = m,
+                                .begin = begin,
+                                .end = std::min(begin + block_size, count),
+                                .first_id = first + begin},
+                        .read = {}});
     }
   }
   return blocks;
@@ -118,16 +86,18 @@ void check_options(const BuildOptions& options) {
 
 ReferenceSummary write_references(const Geometry& geometry, Reference* references) {
   std::vector<Block> blocks = blocks_of(geometry);
-  parallel_for(blocks.size(), [&](std::size_t i) { blocks[i].read(geometry, references); });
+  parallel_for(blocks.size(), [&](std::size_t i) {
+    blocks[i].read = read_triangles(geometry, blocks[i].row, references + blocks[i].row.first_id);
+  });
   ReferenceSummary summary;
-  for (const Block& block : blocks) {
-    if (block.wrong != nothing_wrong) explain(geometry, block.wrong);
-    if (summary.count != block.first_id) {  // degenerate triangles were left out before this block
-      std::copy_n(references + block.first_id, block.count, references + summary.count);
+  for (const auto& [row, read] : blocks) {
+    if (read.wrong != ReadTriangles::nothing_wrong) explain(geometry, read.wrong);
+    if (summary.count != row.first_id) {  // degenerate triangles were left out before this block
+      std::copy_n(references + row.first_id, read.count, references + summary.count);
     }
-    summary.count += block.count;
-    summary.box = merge(summary.box, block.box);
-    summary.doubled_centroids = merge(summary.doubled_centroids, block.doubled_centroids);
+    summary.count += read.count;
+    summary.box = merge(summary.box, read.box);
+    summary.doubled_centroids = merge(summary.doubled_centroids, read.doubled_centroids);
   }
   summary.degenerate_triangles = geometry.triangle_count() - summary.count;
   return summary;

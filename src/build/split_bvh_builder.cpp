@@ -169,8 +169,7 @@ BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& option
     throw Error(Error::too_large, "there may be 2^31 references or more, which is more than kerf can number");
   }
   const AlignedArray<Reference> arena(room);
-  tbb::task_arena threads(usable_threads(options.threads));
-  return execute_in(threads, [&]() -> BinaryTree {
+  return on_threads(options.threads, [&]() -> BinaryTree {
     const ReferenceSummary input = write_references(geometry, arena.data());
     BinaryTree tree;
     if (input.count != 0) {
@@ -205,8 +204,7 @@ BinaryTree build_object_split_tree(std::vector<Reference> references, const Buil
   const BuildContext context{.arena = references.data(),
                              .max_leaf_size = options.max_leaf_size,
                              .spatial_minimum = worthwhile_count};
-  tbb::task_arena threads(usable_threads(options.threads));
-  return execute_in(threads, [&] {
+  return on_threads(options.threads, [&] {
     return Driver(context, options, count).build(root, references.capacity() * sizeof(Reference));
   });
 }

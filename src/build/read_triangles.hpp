@@ -1,0 +1,33 @@
+// The boxes of a row of triangles, compiled once for every instruction set.
+#pragma once
+
+#include <cstdint>
+
+#include "tree/geometry.hpp"
+#include "tree/reference.hpp"
+
+namespace kerf {
+
+/// Triangles `begin .. end - 1` of a mesh, the first of which has the number `first_id` in the geometry.
+struct TriangleRow {
+  std::uint32_t mesh, begin, end, first_id;
+};
+
+/// Sums and differences of two coordinates, and what is made of these, stay finite below a quarter of the
+/// range.
+inline constexpr float coordinate_limit = 0x1p126f;
+
+struct ReadTriangles {
+  static constexpr std::uint32_t nothing_wrong = 0xffffffffu;
+
+  std::uint32_t count = 0;  ///< of references written
+  std::uint32_t wrong =
+      nothing_wrong;             ///< the number of the first triangle that cannot be taken: here it ends
+  Box3f box, doubled_centroids;  ///< of the references, as in `NodeInput`
+};
+
+/// Writes a reference for each triangle of the row that has an area. Stops at one with an index that names no
+/// vertex, or with a coordinate that is not below `coordinate_limit`.
+ReadTriangles read_triangles(const Geometry& geometry, const TriangleRow& row, Reference* references);
+
+}  // namespace kerf
