@@ -1,4 +1,5 @@
 // `closest_point`, `within` and `triangles_in`, against every triangle one by one.
+#include <cstdlib>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -7,8 +8,9 @@
 #include "adversarial.hpp"
 #include "build_options.hpp"
 #include "exact_oracle.hpp"
-#include "query/point_distance.hpp"
+#include "kernel/kernels.hpp"
 #include "query/triangle_box.hpp"
+#include "structure.hpp"
 #include "workbench/solids.hpp"
 
 namespace kerf {
@@ -26,51 +28,82 @@ Soup sliver_soup(std::mt19937& random, float thinness) {
   return Soup(std::move(slivers));
 }
 
-TEST(ClosestOnTriangle, AgreesWithExactArithmeticAlsoOnSlivers) {
-  std::mt19937 random(1);
-  for (const float thinness : {1.0f, 1e-3f, 1e-8f}) {
-    const Soup soup = sliver_soup(random, thinness);
-    for (const Triangle& triangle : soup.triangles) {
-      for (int i = 0; i < 20; ++i) {
-        const Vec3f p = i % 2 ? uniform_point(random, 2.0f) : triangle.v0 + uniform_point(random, 1e-6f);
-        const double truth = std::sqrt(exact::squared_distance(p, triangle).convert_to<double>());
-        const ClosestOnTriangle found = closest_on_triangle(p, triangle);
-        ASSERT_NEAR(std::sqrt(found.squared_distance), truth, 1e-7 * truth + 1e-15);
-      }
+// A hierarchy for the kernels of each instruction set.
+std::vector<Bvh> build_for_each_target(const TriangleMesh& mesh) {
+  std::vector<Bvh> hierarchies;
+  for (const char* target : {"AVX3", "AVX2", "SSE4", "SCALAR"}) {
+    setenv("KERF_TARGET", target, 1);
+    hierarchies.push_back(build(mesh, spatial_splits_everywhere()));
+  }
+  unsetenv("KERF_TARGET");
+  return hierarchies;
+}
+
+// The point of the world at `origin` that is `scale` times as large.
+struct World {
+  Vec3f origin;
+  float scale;
+
+  Vec3f operator()(const Vec3f& p) const { return origin + scale * p; }
+  Soup operator()(const Soup& soup) const {
+    std::vector<Triangle> moved;
+    for (const auto& [a, b, c] : soup.triangles) {
+      const Triangle triangle{(*this)(a), (*this)(b), (*this)(c)};
+      if (!is_degenerate(triangle)) moved.push_back(triangle);
     }
+    return Soup(std::move(moved));
+  }
+};
+
+// Asks for the triangle closest to points next to corners and up to `distance` sizes of the world away.
+void expect_closest(std::mt19937& random, const Soup& sizeless, const World& world, float distance) {
+  const Soup soup = world(sizeless);
+  const std::vector<Bvh> hierarchies = build_for_each_target(soup.mesh());
+  for (int i = 0; i < 10; ++i) {
+    const Vec3f at_corner = sizeless.triangles[random() % sizeless.triangles.size()].v1;
+    const Vec3f p = world(i % 2 ? uniform_point(random, distance) : at_corner + uniform_point(random, 1e-6f));
+    std::vector<exact::Number> squares;
+    for (const Triangle& triangle : soup.triangles) squares.push_back(exact::squared_distance(p, triangle));
+    const auto root = [](const exact::Number& square) { return std::sqrt(square.convert_to<double>()); };
+    const double least = root(*std::min_element(squares.begin(), squares.end()));
+    const auto found = hierarchies.front().closest_point(p);
+    ASSERT_TRUE(found.has_value());
+    EXPECT_NEAR(found->distance, least, 1e-7 * least + 1e-15 * world.scale + 0x1p-149);
+    EXPECT_NEAR(root(squares[found->primitive]), least, 1e-14 * least + 1e-15 * world.scale);
+    const Vec3d way = difference(found->position, p);
+    EXPECT_NEAR(std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z), found->distance,
+                1e-5 * (double{world.scale} + length(world.origin) + found->distance));
+    // The limit is included, and nothing lies below it.
+    EXPECT_TRUE(hierarchies.front().closest_point(p, std::nextafter(found->distance, 1e38f)).has_value());
+    EXPECT_FALSE(hierarchies.front().closest_point(p, std::nextafter(found->distance, 0.0f)).has_value());
+    for (const Bvh& bvh : hierarchies)
+      ASSERT_EQ(bvh.closest_point(p), found) << bvh.structure().kernels->target;
   }
 }
 
-TEST(ClosestPoint, IsTheClosestOfAllTriangles) {
+TEST(ClosestPoint, IsTheClosestOfAllTrianglesInExactArithmeticForEveryInstructionSet) {
   std::mt19937 random(2);
-  for (const float thinness : {1.0f, 0.01f, 1e-8f}) {
+  for (const float thinness : {1.0f, 1e-3f, 1e-8f}) {
     const Soup soup = sliver_soup(random, thinness);
-    const Bvh bvh = build(soup.mesh(), spatial_splits_everywhere());
-    for (int i = 0; i < 300; ++i) {
-      const Vec3f p = uniform_point(random, i % 3 ? 1.0f : 100.0f);
-      double best = std::numeric_limits<double>::infinity();
-      std::uint32_t best_id = invalid_id;
-      for (std::uint32_t id = 0; id < soup.triangles.size(); ++id) {
-        const double d = closest_on_triangle(p, soup.triangles[id]).squared_distance;
-        if (d < best) best = d, best_id = id;
-      }
-      const auto found = bvh.closest_point(p);
-      ASSERT_TRUE(found.has_value());
-      EXPECT_EQ(found->primitive, best_id);
-      EXPECT_EQ(found->mesh, 0u);
-      EXPECT_EQ(found->distance, static_cast<float>(std::sqrt(best)));
-      EXPECT_NEAR(length(found->position - p), found->distance, 1e-5f * (1.0f + found->distance));
-      // The limit is included, and nothing lies below it.
-      EXPECT_TRUE(bvh.closest_point(p, std::nextafter(found->distance, 1e30f)).has_value());
-      EXPECT_FALSE(bvh.closest_point(p, std::nextafter(found->distance, 0.0f)).has_value());
-    }
+    for (const float distance : {1.0f, 100.0f}) expect_closest(random, soup, {{0, 0, 0}, 1.0f}, distance);
   }
+}
+
+TEST(ClosestPoint, KeepsItsAccuracyInTinyHugeAndRemoteWorldsAndFromFarAway) {
+  std::mt19937 random(3);
+  const Soup soup = sliver_soup(random, 0.3f);
+  for (const float scale : {1e-38f, 1e-30f, 1e-6f, 1e6f, 1e30f, 4e37f}) {
+    expect_closest(random, soup, {{0, 0, 0}, scale}, 2.0f);
+  }
+  for (const float away : {1e2f, 1e4f}) expect_closest(random, soup, {{away, -away, 0}, 1.0f}, 2.0f);
+  for (const float distance : {1e3f, 1e5f, 1e7f, 1e12f, 1e30f})
+    expect_closest(random, soup, {{0, 0, 0}, 1.0f}, distance);
 }
 
 TEST(Within, GivesEachTriangleInReachOnceNearestFirst) {
   std::mt19937 random(3);
   const Soup soup = sliver_soup(random, 0.1f);
-  const Bvh bvh = build(soup.mesh(), spatial_splits_everywhere());
+  const std::vector<Bvh> hierarchies = build_for_each_target(soup.mesh());
   for (int i = 0; i < 300; ++i) {
     const Vec3f p = uniform_point(random, 1.0f);
     const float radius = uniform(random, 0.0f, 1.5f);
@@ -79,7 +112,8 @@ TEST(Within, GivesEachTriangleInReachOnceNearestFirst) {
       if (exact::squared_distance(p, soup.triangles[id]) <= exact::number(radius) * exact::number(radius))
         expected.insert(id);
     }
-    const std::vector<SurfacePoint> found = bvh.within(p, radius);
+    const std::vector<SurfacePoint> found = hierarchies.front().within(p, radius);
+    for (const Bvh& bvh : hierarchies) ASSERT_EQ(bvh.within(p, radius), found);
     std::set<std::uint32_t> ids;
     for (std::size_t k = 0; k < found.size(); ++k) {
       EXPECT_TRUE(ids.insert(found[k].primitive).second);

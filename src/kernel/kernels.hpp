@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <kerf/ray.hpp>
 
 #include "kernel/counters.hpp"
+#include "kernel/near_triangle.hpp"
 #include "kernel/wide_bvh.hpp"
 
 namespace kerf {
@@ -28,6 +30,12 @@ struct Kernels {
   /// For many rays on one thread; misses are hits that convert to false.
   void (*closest_many)(const WideBvh& bvh, const Ray* rays, std::size_t count, Hit* hits);
   void (*any_many)(const WideBvh& bvh, const Ray* rays, std::size_t count, std::uint8_t* occluded);
+
+  /// The triangle closest to `point`, if its squared distance is not above `reach`. `point` must be finite.
+  bool (*closest_triangle)(const WideBvh& bvh, const Vec3f& point, double reach, NearTriangle& best);
+  /// All references of triangles with squared distances not above `reach`, in any order.
+  void (*triangles_within)(const WideBvh& bvh, const Vec3f& point, double reach,
+                           std::vector<NearTriangle>& found);
 
   /// For measuring what a step of `closest` costs when nothing waits for memory: the root, or the leaf, is
   /// visited `count` times. Returns a number that means nothing.

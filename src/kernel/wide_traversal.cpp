@@ -5,15 +5,13 @@
 
 #include "kernel/kernels.hpp"
 #include "kernel/prepared_ray.hpp"
+#include "kernel/targets.hpp"
 #include "math/ray_box.hpp"
 #include "math/ray_triangle.hpp"
 #include "tree/binary_tree.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernel/wide_traversal.cpp"
-#define HWY_COMPILE_ALL_ATTAINABLE      // the scalar one where every machine has SSE2, too: tests need it
-#define HWY_DISABLED_TARGETS HWY_SSSE3  // such old machines take the scalar one,
-#define HWY_BROKEN_EMU128 1             // which is one number at a time under every compiler
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -22,6 +20,7 @@
 #include "kernel/leaf_test-inl.h"
 #include "kernel/node_step-inl.h"
 #include "kernel/packet-inl.h"
+#include "kernel/query_kernels-inl.h"
 #include "kernel/wide_ray-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -270,6 +269,8 @@ const Kernels* kernels() {
                              .any_counted = any_counted,
                              .closest_many = closest_many,
                              .any_many = any_many,
+                             .closest_triangle = closest_triangle,
+                             .triangles_within = triangles_within,
                              .repeat_node_steps = repeat_node_steps,
                              .repeat_leaf_tests = repeat_leaf_tests};
   return &table;

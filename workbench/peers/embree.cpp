@@ -5,10 +5,6 @@
 #else
 #include <embree3/rtcore.h>
 #endif
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
-
 #include <atomic>
 #include <limits>
 #include <string>
@@ -16,6 +12,7 @@
 
 #include <kerf/error.hpp>
 
+#include "workbench/peers/flush_denormals.hpp"
 #include "workbench/peers/ray_blocks.hpp"
 
 namespace workbench {
@@ -80,26 +77,6 @@ struct Scene {
   ~Scene() { rtcReleaseScene(handle); }
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
-};
-
-// Embree's manual asks for denormals to be flushed to zero in the threads that trace ("MXCSR control and
-// status register").
-class FlushDenormals {
-#if defined(__SSE2__)
- public:
-  FlushDenormals() : before_(_mm_getcsr()) {
-    _mm_setcsr(before_ | 0x8040u);
-  }
-  ~FlushDenormals() {
-    _mm_setcsr(before_);
-  }
-
- private:
-  unsigned before_;
-#else
- public:
-  FlushDenormals() {}
-#endif
 };
 
 // The one difference between the versions that matters here: how a query is given its flags.

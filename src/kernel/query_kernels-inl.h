@@ -1,0 +1,27 @@
+// The kernels of spatial queries, for the table of all kernels. Included once per instruction set.
+
+#if defined(KERF_QUERY_KERNELS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_QUERY_KERNELS_INL
+#undef KERF_QUERY_KERNELS_INL
+#else
+#define KERF_QUERY_KERNELS_INL
+#endif
+
+#include <vector>
+
+#include <hwy/highway.h>
+
+#include "kernel/near_triangle.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+
+bool closest_triangle(const WideBvh& bvh, const Vec3f& point, double reach, NearTriangle& best);
+void triangles_within(const WideBvh& bvh, const Vec3f& point, double reach, std::vector<NearTriangle>& found);
+
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#endif
