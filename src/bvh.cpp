@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include <kerf/kerf.hpp>
 
@@ -15,6 +16,12 @@
 
 namespace kerf {
 namespace {
+
+// What a handle of nothing shows: a constant, so that handles are made and moved without memory.
+std::shared_ptr<const Bvh::Structure> nothing() noexcept {
+  static const Bvh::Structure structure;
+  return {std::shared_ptr<const void>(), &structure};
+}
 
 // Names the triangle of a hit by mesh and primitive.
 void name_triangle(const Bvh::Structure& structure, Hit& hit) {
@@ -43,8 +50,13 @@ void for_parts(std::size_t count, Trace&& trace) {
 
 }  // namespace
 
-Bvh::Bvh() : structure_(std::make_shared<Structure>()) {}
+Bvh::Bvh() noexcept : structure_(nothing()) {}
 Bvh::Bvh(std::shared_ptr<const Structure> structure) : structure_(std::move(structure)) {}
+Bvh::Bvh(Bvh&& other) noexcept : structure_(std::exchange(other.structure_, nothing())) {}
+Bvh& Bvh::operator=(Bvh&& other) noexcept {
+  structure_ = std::exchange(other.structure_, nothing());
+  return *this;
+}
 
 std::optional<Hit> Bvh::intersect(const Ray& ray) const {
   std::optional<Hit> hit;

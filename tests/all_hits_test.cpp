@@ -1,5 +1,7 @@
 // The contract of `all_hits` beyond which triangles are crossed: order, multiplicity, early stop, and parity.
 #include <algorithm>
+#include <functional>
+#include <new>
 
 #include <gtest/gtest.h>
 
@@ -39,6 +41,30 @@ TEST(AllHits, StopsWhenTheVisitorSaysSo) {
   });
   EXPECT_EQ(visits, 1);
   EXPECT_EQ(gather(bvh, ray).size(), 2u);
+}
+
+bool take_none(const Hit&) {
+  return false;
+}
+
+TEST(AllHits, VisitorsMayBeConstantsAndFunctions) {
+  const Bvh bvh = build(workbench::make_sphere(3).mesh());
+  const Ray ray{.origin = {0.1f, 0.2f, 5}, .direction = {0, 0, -1}};
+  int visits = 0;
+  const auto count = [&](const Hit&) { ++visits; };
+  bvh.all_hits(ray, count);
+  const std::function<void(const Hit&)> wrapped = count;
+  bvh.all_hits(ray, wrapped);
+  bvh.all_hits(ray, take_none);
+  bvh.all_hits(ray, &take_none);
+  EXPECT_EQ(visits, 4);
+}
+
+TEST(AllHits, WhatTheVisitorThrowsComesThroughAsItIs) {
+  const Bvh bvh = build(workbench::make_sphere(3).mesh());
+  const Ray ray{.origin = {0.1f, 0.2f, 5}, .direction = {0, 0, -1}};
+  EXPECT_THROW(bvh.all_hits(ray, [](const Hit&) { throw 42; }), int);
+  EXPECT_THROW(bvh.all_hits(ray, [](const Hit&) { throw std::bad_alloc(); }), std::bad_alloc);
 }
 
 TEST(AllHits, TheSpanFormFillsWhatThereIsRoomForAndCountsTheRest) {

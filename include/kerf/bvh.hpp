@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -38,7 +39,14 @@ struct BvhStatistics {
 class KERF_API Bvh {
  public:
   /// A hierarchy of nothing, which every ray misses.
-  Bvh();
+  Bvh() noexcept;
+
+  Bvh(const Bvh&) = default;
+  Bvh& operator=(const Bvh&) = default;
+  /// What was moved from is a hierarchy of nothing.
+  Bvh(Bvh&& other) noexcept;
+  Bvh& operator=(Bvh&& other) noexcept;
+  ~Bvh() = default;
 
   /// The closest hit in `[ray.t_min, ray.t_max]`. Of several at the same t, the lowest mesh and triangle.
   std::optional<Hit> intersect(const Ray& ray) const;
@@ -61,16 +69,19 @@ class KERF_API Bvh {
   /// is taken as infinitesimally moved aside, for all triangles alike: the line of a ray crosses a closed
   /// surface an even number of times, always. Triangles that the ray only touches, or in whose plane it lies,
   /// are not crossed. Throws `Error::out_of_memory`, and what `visit` throws.
-  template <std::invocable<const Hit&> Visit>
+  template <class Visit>
+  requires std::invocable<Visit&, const Hit&>
   void all_hits(const Ray& ray, Visit&& visit) const {
-    visit_hits(ray, &visit, [](void* visitor, const Hit& hit) {
-      auto& call = *static_cast<std::remove_reference_t<Visit>*>(visitor);
-      if constexpr (std::is_void_v<decltype(call(hit))>) {
-        call(hit);
+    const auto call = [&visit](const Hit& hit) {
+      if constexpr (std::is_void_v<std::invoke_result_t<Visit&, const Hit&>>) {
+        std::invoke(visit, hit);
         return true;
       } else {
-        return static_cast<bool>(call(hit));
+        return static_cast<bool>(std::invoke(visit, hit));
       }
+    };
+    visit_hits(ray, &call, [](const void* visitor, const Hit& hit) {
+      return (*static_cast<decltype(&call)>(visitor))(hit);
     });
   }
 
@@ -124,7 +135,7 @@ class KERF_API Bvh {
   const Structure& structure() const { return *structure_; }
 
  private:
-  void visit_hits(const Ray& ray, void* visitor, bool (*visit)(void*, const Hit&)) const;
+  void visit_hits(const Ray& ray, const void* visitor, bool (*visit)(const void*, const Hit&)) const;
 
   std::shared_ptr<const Structure> structure_;
 };

@@ -1,4 +1,3 @@
-#include "out_of_memory.hpp"
 #include "query/crossings.hpp"
 
 namespace kerf {
@@ -13,12 +12,10 @@ Hit named(const TreeView& tree, std::uint32_t id, Hit hit) {
 
 }  // namespace
 
-void Bvh::visit_hits(const Ray& ray, void* visitor, bool (*visit)(void*, const Hit&)) const {
+void Bvh::visit_hits(const Ray& ray, const void* visitor, bool (*visit)(const void*, const Hit&)) const {
   const TreeView tree(*structure_);
-  report_out_of_memory([&] {
-    for_each_crossing(tree, ray,
-                      [&](std::uint32_t id, const Hit& hit) { return visit(visitor, named(tree, id, hit)); });
-  });
+  for_each_crossing(tree, ray,
+                    [&](std::uint32_t id, const Hit& hit) { return visit(visitor, named(tree, id, hit)); });
 }
 
 std::size_t Bvh::all_hits(const Ray& ray, std::span<Hit> hits) const {

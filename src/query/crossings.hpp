@@ -9,6 +9,7 @@
 #include <kerf/ray.hpp>
 
 #include "math/vec3f.hpp"
+#include "out_of_memory.hpp"
 #include "query/line_crossing.hpp"
 #include "query/line_slabs.hpp"
 #include "query/tree_view.hpp"
@@ -16,7 +17,8 @@
 namespace kerf {
 
 /// Calls `visit(id, hit)` for each triangle that the ray crosses in `[t_min, t_max]`, once, in the order of
-/// (t, id), until `visit` returns false. `hit` has t, u and v.
+/// (t, id), until `visit` returns false. `hit` has t, u and v. Throws `Error::out_of_memory`, and what
+/// `visit` throws as it is.
 ///
 /// Nodes and crossings wait in one queue, nearest first; a crossing is visited when no node that is left to
 /// open can hold an earlier one. A triangle with references in several leaves is found in each that the ray
@@ -43,7 +45,7 @@ void for_each_crossing(const TreeView& tree, Ray ray, Visit&& visit) {
   std::pmr::vector<Item> queue(&memory);
   queue.reserve(stack.size() / sizeof(Item) - 1);
   const auto push = [&](const Item& item) {
-    queue.push_back(item);
+    report_out_of_memory([&] { queue.push_back(item); });
     std::push_heap(queue.begin(), queue.end(), later);
   };
 
