@@ -8,6 +8,7 @@
 #include "build_options.hpp"
 #include "exact_oracle.hpp"
 #include "query/line_crossing.hpp"
+#include "query/line_slabs.hpp"
 
 namespace kerf {
 namespace {
@@ -108,6 +109,52 @@ TEST(AllHits, IsExactOnSliversOfAspectAHundredMillion) {
     const Ray ray = aim(random, triangles.triangles[random() % 60], 1.0f);
     ASSERT_NO_FATAL_FAILURE(expect_exact(triangles, ray, gather(bvh, ray)));
   }
+}
+
+// Rays that end, or begin, just at a triangle, where no component of anything has a bit to spare.
+TEST(AllHits, IsExactAtBothEndsOfTheRange) {
+  std::mt19937 random(6);
+  for (int round = 0; round < 1000; ++round) {
+    const Vec3f a = grid_point(random, 1 << 19), d1 = grid_point(random, 1 << 19),
+                d2 = grid_point(random, 1 << 19);
+    if (collinear({}, d1, d2)) continue;
+    const Soup one({{a, a + 4.0f * d1, a + 4.0f * d2}});
+    const Bvh bvh = build(one.mesh());
+    const Vec3f at = a + d1 + d2, origin = grid_point(random, 1 << 19);
+    Ray ray{.origin = origin, .direction = at - origin, .t_min = 0.0f, .t_max = 1.0f};
+    ASSERT_NO_FATAL_FAILURE(expect_exact(one, ray, gather(bvh, ray)));
+    ray.t_max = std::nextafter(1.0f, 0.0f);
+    ASSERT_NO_FATAL_FAILURE(expect_exact(one, ray, gather(bvh, ray)));
+    ray.t_min = 1.0f, ray.t_max = 2.0f;
+    ASSERT_NO_FATAL_FAILURE(expect_exact(one, ray, gather(bvh, ray)));
+    ray.t_min = std::nextafter(1.0f, 2.0f);
+    ASSERT_NO_FATAL_FAILURE(expect_exact(one, ray, gather(bvh, ray)));
+  }
+}
+
+// What the queue of `for_each_crossing` relies on, or a crossing is found when its turn is over. Grazing rays
+// are those whose t loses most to rounding.
+TEST(AllHits, NoCrossingSeemsToComeBeforeItsBox) {
+  std::mt19937 random(7);
+  int crossings = 0;
+  for (int i = 0; i < 300000; ++i) {
+    const auto power = [&](float low, float high) { return std::pow(10.0f, uniform(random, low, high)); };
+    const float offset = power(0, 4), size = power(-4, 1);
+    const Vec3f a = Vec3f{offset, offset, offset} + uniform_point(random, 1.0f);
+    const Triangle triangle{a, a + uniform_point(random, size), a + uniform_point(random, size)};
+    const Vec3f e1 = triangle.v1 - a, e2 = triangle.v2 - a;
+    const float s = power(-8, 0), r = power(-8, 0);
+    const Vec3f at = a + s * (1.0f - r) * e1 + s * r * e2;
+    const Vec3f along = uniform(random, -1, 1) * e1 + uniform(random, -1, 1) * e2 +
+                        uniform_point(random, size * power(-9, -1));
+    const Vec3f origin = at - power(-1, 6) * along;
+    const Vec3f direction = at - origin;
+    const auto crossing = kerf::cross_line(origin, direction, triangle);
+    if (!crossing || crossing->t < 0.0) continue;
+    ++crossings;
+    ASSERT_LE(LineSlabs({.origin = origin, .direction = direction}).entry(bounds_of(triangle)), crossing->t);
+  }
+  EXPECT_GT(crossings, 20000);
 }
 
 // The half-open rule, stated for one edge: two triangles that face the same way, on both sides of an edge in

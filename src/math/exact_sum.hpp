@@ -3,19 +3,20 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace kerf {
 
 /// A sum of doubles, kept as parts that do not overlap, smallest first, so that no bit is lost.
 ///
-/// Products of up to three floats neither overflow nor underflow in double precision (2^384 and 2^-447 are in
+/// Products of up to four floats neither overflow nor underflow in double precision (2^512 and 2^-596 are in
 /// its range), so everything added here is exact. Must be compiled without contraction and with plain double
 /// arithmetic.
 class ExactSum {
  public:
-  /// The most terms that a predicate needs: four triple products of six terms, each of two parts.
-  static constexpr std::size_t capacity = 48;
+  /// The most terms that a predicate needs: 24 products of three floats and 18 of four, each of two parts.
+  static constexpr std::size_t capacity = 84;
 
   void add(double term) {
     double carry = term;
@@ -43,6 +44,14 @@ class ExactSum {
     const double high = scaled - (scaled - product);
     add(high * z);
     add((product - high) * z);
+  }
+
+  /// A product of four floats has 96 bits: what a double loses of it is a double, too.
+  void add_product(float x, float y, float z, float w) {
+    const double xy = static_cast<double>(x) * y, zw = static_cast<double>(z) * w;
+    const double product = xy * zw;
+    add(product);
+    add(std::fma(xy, zw, -product));
   }
 
   /// -1, 0 or 1: the sign of the largest part is the sign of the sum.

@@ -59,6 +59,16 @@ inline void add_determinant(ExactSum& sum, float sign, const Vec3f& a, const Vec
   sum.add_product(-sign * a.z, b.y, c.x);
 }
 
+/// Adds `t` times the determinant of a, b and c.
+inline void add_product_with_determinant(ExactSum& sum, float t, const Vec3f& a, const Vec3f& b,
+                                         const Vec3f& c) {
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    sum.add_product(t, a[i], b[j], c[k]);
+    sum.add_product(-t, a[i], b[k], c[j]);
+  }
+}
+
 /// det(a - p, b - p, c - p), positive where a, b, c run counter-clockwise as seen from p.
 inline ExactSum exact_orientation(const Vec3f& p, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   ExactSum sum;

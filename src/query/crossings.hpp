@@ -70,7 +70,10 @@ void for_each_crossing(const TreeView& tree, Ray ray, Visit&& visit) {
     } else if (tree.is_leaf(item.node)) {
       tree.for_each_triangle(item.node, [&](std::uint32_t id, const Triangle& triangle) {
         const auto crossing = cross_line(ray.origin, ray.direction, triangle);
-        if (!crossing || crossing->t < ray.t_min || crossing->t > ray.t_max) return;
+        if (!crossing || order_against(*crossing, ray.t_min, ray.origin, ray.direction, triangle) < 0 ||
+            order_against(*crossing, ray.t_max, ray.origin, ray.direction, triangle) > 0) {
+          return;
+        }
         const Item found{rounded(crossing->t),
                          1 + id,
                          {},

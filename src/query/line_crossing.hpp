@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <kerf/ray.hpp>
 
@@ -80,6 +81,20 @@ inline std::optional<LineCrossing> cross_line(const Vec3f& o, const Vec3f& d, co
   const double ea = exact(b, c), eb = exact(c, a), ec = exact(a, b);
   const double sum = ea + eb + ec;  // not 0: of a line in the plane of the triangle the three sides differ
   return LineCrossing{exact_orientation(o, a, b, c).value() / sum, eb / sum, ec / sum};
+}
+
+/// Whether a crossing comes before `t` (-1), there (0) or behind it (1), exactly.
+inline int order_against(const LineCrossing& crossing, float t, const Vec3f& o, const Vec3f& d,
+                         const Triangle& triangle) {
+  if (std::abs(crossing.t - t) > 0x1p-24 * std::abs(crossing.t)) return crossing.t < t ? -1 : 1;
+  // As in `cross_line`: height / total against t.
+  const auto& [a, b, c] = triangle;
+  ExactSum total, difference = exact_orientation(o, a, b, c);
+  for (const auto& [p, q] : {std::pair(b, c), std::pair(c, a), std::pair(a, b)}) {
+    add_determinant(total, 1.0f, d, p, q);
+    add_product_with_determinant(difference, -t, d, p, q);
+  }
+  return difference.sign() * total.sign();
 }
 
 /// Whether `p` lies on the triangle, its edges and vertices included.

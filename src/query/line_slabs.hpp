@@ -16,10 +16,11 @@ class LineSlabs {
         t_min_(ray.t_min),
         t_max_(ray.t_max) {}
 
-  /// Where the ray enters the box, at most a few roundings early; infinity only if it misses.
+  /// Where the ray enters the box, early by what rounding may take off a crossing in it (`LineCrossing`), so
+  /// that none seems to come before its box; infinity only if the ray misses.
   double entry(const Box3f& box) const {
     // A difference, a reciprocal and a product put a relative error of 3 * 2^-53 on each distance.
-    constexpr double early = 1.0 - 8.0 / 9007199254740992.0, late = 1.0 + 8.0 / 9007199254740992.0;
+    constexpr double late = 1.0 + 8.0 / 9007199254740992.0, early = 1.0 - 0x1p-24;
     const Vec3d lower = difference(box.lower, origin_), upper = difference(box.upper, origin_);
     double enter = t_min_, leave = t_max_;
     // 0 * infinity, for a ray in the plane of a face, is not a number: the comparisons then leave the
