@@ -1,4 +1,4 @@
-// What `all_hits` and `intersect` find, against rational arithmetic.
+// What `all_hits` finds, against rational arithmetic.
 #include <algorithm>
 #include <map>
 
