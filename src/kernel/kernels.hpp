@@ -9,6 +9,7 @@
 
 #include "kernel/counters.hpp"
 #include "kernel/near_triangle.hpp"
+#include "kernel/prepared_line.hpp"
 #include "kernel/wide_bvh.hpp"
 
 namespace kerf {
@@ -36,6 +37,18 @@ struct Kernels {
   /// All references of triangles with squared distances not above `reach`, in any order.
   void (*triangles_within)(const WideBvh& bvh, const Vec3f& point, double reach,
                            std::vector<NearTriangle>& found);
+
+  /// Calls `visit` for all references of triangles whose bounds have a point in `box`, until it returns
+  /// false.
+  void (*visit_box)(const WideBvh& bvh, const Box3f& box, void* visitor,
+                    bool (*visit)(void* visitor, ChildLink leaf, std::uint32_t place));
+
+  /// Bit i: the ray meets the box of child i, and enters it at `entry[i]` (Ize 2013, "Robust BVH Ray
+  /// Traversal"): early by what rounding may take off a crossing in it, see `LineCrossing`, so that none seems
+  /// to come before its box. Sixteen entries are written.
+  std::uint32_t (*line_meets)(const WideNode& node, const PreparedLine& line, float* entry);
+  /// Bit i: what double precision tells for certain does not rule out that the line crosses triangle i.
+  std::uint32_t (*line_may_cross)(const WideBvh& bvh, ChildLink leaf, const PreparedLine& line);
 
   /// For measuring what a step of `closest` costs when nothing waits for memory: the root, or the leaf, is
   /// visited `count` times. Returns a number that means nothing.

@@ -16,6 +16,7 @@
 
 #include "kernel/point_boxes-inl.h"
 #include "kernel/point_triangles-inl.h"
+#include "kernel/query_kernels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -92,12 +93,12 @@ bool is_far(const WideBvh& bvh, const Vec3f& point) {
 
 }  // namespace
 
-HWY_ATTR bool closest_triangle(const WideBvh& bvh, const Vec3f& point, double reach, NearTriangle& best) {
+bool closest_triangle(const WideBvh& bvh, const Vec3f& point, double reach, NearTriangle& best) {
   return is_far(bvh, point) ? find_closest<FarPointBoxes>(bvh, point, reach, best)
                             : find_closest<PointBoxes>(bvh, point, reach, best);
 }
-HWY_ATTR void triangles_within(const WideBvh& bvh, const Vec3f& point, double reach,
-                               std::vector<NearTriangle>& found) {
+void triangles_within(const WideBvh& bvh, const Vec3f& point, double reach,
+                      std::vector<NearTriangle>& found) {
   is_far(bvh, point) ? find_within<FarPointBoxes>(bvh, point, reach, found)
                      : find_within<PointBoxes>(bvh, point, reach, found);
 }

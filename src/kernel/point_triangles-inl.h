@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "kernel/lanes-inl.h"
+#include "kernel/doubles-inl.h"
 #include "kernel/near_triangle.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -18,21 +18,6 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// As many triangles as a vector of doubles has lanes.
-struct Vec3Doubles {
-  DoubleVector x, y, z;
-};
-HWY_INLINE Vec3Doubles operator-(const Vec3Doubles& a, const Vec3Doubles& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE DoubleVector dot(const Vec3Doubles& a, const Vec3Doubles& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-HWY_INLINE Vec3Doubles cross(const Vec3Doubles& a, const Vec3Doubles& b) {
-  const auto minor = [](DoubleVector p, DoubleVector q, DoubleVector r, DoubleVector s)
-                         HWY_ATTR { return hn::Sub(hn::Mul(p, q), hn::Mul(r, s)); };
-  return {minor(a.y, b.z, a.z, b.y), minor(a.z, b.x, a.x, b.z), minor(a.x, b.y, a.y, b.x)};
-}
 HWY_INLINE DoubleVector size(const Vec3Doubles& a) {
   return hn::Add(hn::Add(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z));
 }
@@ -62,20 +47,16 @@ HWY_INLINE DoubleVector closest_on_edge(const Vec3Doubles& from, const Vec3Doubl
 // The triangles of a leaf against one point.
 class PointTriangles {
  public:
-  HWY_INLINE explicit PointTriangles(const Vec3f& p) {
-    const DoubleTag tag;
-    point_ = {hn::Set(tag, p.x), hn::Set(tag, p.y), hn::Set(tag, p.z)};
-  }
+  HWY_INLINE explicit PointTriangles(const Vec3f& p) : point_(broadcast_doubles(p)) {}
 
   // Calls `found` for each triangle of the leaf within the square root of `reach`.
   template <class Found>
   HWY_INLINE void find(const WideBvh& bvh, ChildLink leaf, double reach, Found&& found) const {
     const DoubleTag tag;
     const std::uint32_t count = leaf.count();
-    const std::uint32_t* words = bvh.leaves.data() + words_per_triangle * leaf.first();
-    const float* rows = reinterpret_cast<const float*>(words);
-    for (std::uint32_t begin = 0, part = 0; begin < count; begin += double_lanes, ++part) {
-      const Corners corners = load_corners(rows, count, part);
+    const float* rows = leaf_rows(bvh, leaf);
+    for (std::uint32_t begin = 0; begin < count; begin += double_lanes) {
+      const Corners corners = load_corners(rows + begin, count);
       const auto reaches = hn::Set(tag, reach);
       const std::uint32_t there = (1u << std::min<std::uint32_t>(count - begin, double_lanes)) - 1;
       if ((there & ~bits(tag, plane_is_beyond(corners, reaches))) == 0) continue;
@@ -88,7 +69,7 @@ class PointTriangles {
       hn::Store(closest.v, tag, vs);
       for (; near != 0; near &= near - 1) {
         const auto i = static_cast<std::uint32_t>(std::countr_zero(near));
-        found(NearTriangle{squares[i], us[i], vs[i], words[9 * count + begin + i], leaf, begin + i});
+        found(NearTriangle{squares[i], us[i], vs[i], triangle_id(bvh, leaf, begin + i), leaf, begin + i});
       }
     }
   }
@@ -99,9 +80,9 @@ class PointTriangles {
     Vec3Doubles a, b, c, ab, bc, ca;
   };
 
-  HWY_INLINE Corners load_corners(const float* rows, std::size_t count, std::size_t part) const {
-    const auto row = [&](std::size_t i) HWY_ATTR { return promote(load(rows + i * count), part); };
-    const Vec3Doubles a{row(0), row(1), row(2)}, b{row(3), row(4), row(5)}, c{row(6), row(7), row(8)};
+  HWY_INLINE Corners load_corners(const float* rows, std::size_t count) const {
+    const Vec3Doubles a = load_vectors(rows, count), b = load_vectors(rows + 3 * count, count),
+                      c = load_vectors(rows + 6 * count, count);
     return {a - point_, b - point_, c - point_, b - a, c - b, a - c};
   }
 

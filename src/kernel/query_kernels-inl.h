@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 
 #include "kernel/near_triangle.hpp"
+#include "kernel/prepared_line.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -19,6 +20,10 @@ namespace HWY_NAMESPACE {
 
 bool closest_triangle(const WideBvh& bvh, const Vec3f& point, double reach, NearTriangle& best);
 void triangles_within(const WideBvh& bvh, const Vec3f& point, double reach, std::vector<NearTriangle>& found);
+void visit_box(const WideBvh& bvh, const Box3f& box, void* visitor,
+               bool (*visit)(void* visitor, ChildLink leaf, std::uint32_t place));
+std::uint32_t line_meets(const WideNode& node, const PreparedLine& line, float* entry);
+std::uint32_t line_may_cross(const WideBvh& bvh, ChildLink leaf, const PreparedLine& line);
 
 }  // namespace HWY_NAMESPACE
 }  // namespace kerf

@@ -99,6 +99,11 @@ inline Box3f child_box(const WideNode& node, std::uint32_t slot) {
   return box;
 }
 
+/// The nine rows of a leaf's coordinates, `leaf.count()` floats each.
+inline const float* leaf_rows(const WideBvh& bvh, ChildLink leaf) {
+  return reinterpret_cast<const float*>(bvh.leaves.data() + words_per_triangle * leaf.first());
+}
+
 /// Triangle `i` of the leaf, `0 <= i < leaf.count()`.
 inline Triangle triangle_in(const WideBvh& bvh, ChildLink leaf, std::uint32_t i) {
   const std::uint32_t* word = bvh.leaves.data() + words_per_triangle * leaf.first() + i;

@@ -271,6 +271,9 @@ const Kernels* kernels() {
                              .any_many = any_many,
                              .closest_triangle = closest_triangle,
                              .triangles_within = triangles_within,
+                             .visit_box = visit_box,
+                             .line_meets = line_meets,
+                             .line_may_cross = line_may_cross,
                              .repeat_node_steps = repeat_node_steps,
                              .repeat_leaf_tests = repeat_leaf_tests};
   return &table;

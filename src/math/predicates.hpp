@@ -29,6 +29,11 @@ struct Determinant {
   double value;
   double error;
 
+  /// Of the error, relative to the sum of the terms' sizes. Each term passes at most seven roundings of 2^-53
+  /// (three differences, two products, two sums); Shewchuk's bound for the same expression is (7 + 56 *
+  /// 2^-53) * 2^-53. Ten leaves room for the rounding of the bound itself.
+  static constexpr double bound = 10.0 / 9007199254740992.0;
+
   bool certain() const { return std::abs(value) > error; }
 
   /// Whether the relative error is below 2^-26, so that a quotient of two rounds to the right float or its
@@ -38,15 +43,11 @@ struct Determinant {
 
 /// The determinant of three vectors whose components have relative errors of at most 2^-53.
 inline Determinant determinant(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  // Each term passes at most seven roundings of 2^-53 (three differences, two products, two sums); Shewchuk's
-  // bound for the same expression is (7 + 56 * 2^-53) * 2^-53. Ten leaves room for the rounding of the bound
-  // itself.
-  constexpr double bound = 10.0 / 9007199254740992.0;
   const double yz = b.y * c.z, zy = b.z * c.y, zx = b.z * c.x, xz = b.x * c.z, xy = b.x * c.y, yx = b.y * c.x;
   const double size = std::abs(a.x) * (std::abs(yz) + std::abs(zy)) +
                       std::abs(a.y) * (std::abs(zx) + std::abs(xz)) +
                       std::abs(a.z) * (std::abs(xy) + std::abs(yx));
-  return {a.x * (yz - zy) + a.y * (zx - xz) + a.z * (xy - yx), bound * size};
+  return {a.x * (yz - zy) + a.y * (zx - xz) + a.z * (xy - yx), Determinant::bound * size};
 }
 
 /// Adds `sign` times the determinant of a, b and c.

@@ -4,7 +4,7 @@
 #include "kernel/kernels.hpp"
 #include "math/vec3f.hpp"
 #include "out_of_memory.hpp"
-#include "query/tree_view.hpp"
+#include "structure.hpp"
 
 namespace kerf {
 namespace {
@@ -16,7 +16,7 @@ SurfacePoint surface_point(const Bvh::Structure& structure, const NearTriangle& 
     point.position[axis] = static_cast<float>((1.0 - near.u - near.v) * triangle.v0[axis] +
                                               near.u * triangle.v1[axis] + near.v * triangle.v2[axis]);
   }
-  const PrimitiveId place = TreeView(structure).locate(near.id);
+  const PrimitiveId place = locate(structure, near.id);
   point.distance = static_cast<float>(std::sqrt(near.squared_distance));
   point.u = static_cast<float>(near.u);
   point.v = static_cast<float>(near.v);
@@ -42,7 +42,8 @@ std::vector<SurfacePoint> Bvh::within(const Vec3f& point, float radius) const {
   report_out_of_memory([&] {
     std::vector<NearTriangle> found;
     structure_->kernels->triangles_within(structure_->wide, point, reach, found);
-    std::sort(found.begin(), found.end(), is_nearer);
+    std::sort(found.begin(), found.end(),
+              [](const NearTriangle& a, const NearTriangle& b) { return is_nearer(a, b); });
     const auto same = [](const NearTriangle& a, const NearTriangle& b) { return a.id == b.id; };
     found.erase(std::unique(found.begin(), found.end(), same), found.end());
     points.reserve(found.size());

@@ -1,6 +1,6 @@
 #include "out_of_memory.hpp"
 #include "query/crossings.hpp"
-#include "query/subtrees.hpp"
+#include "query/visit_box.hpp"
 
 namespace kerf {
 namespace {
@@ -9,26 +9,23 @@ namespace {
 // to exact arithmetic in a world of upright walls.
 constexpr Vec3f askew{0.8571f, 0.3163f, 0.4067f};
 
-bool on_surface(const TreeView& tree, const Vec3f& point) {
+bool on_surface(const Bvh::Structure& structure, const Vec3f& point) {
   bool found = false;
-  for_each_leaf(
-      tree,
-      [&](const Box3f& box) {
-        return !found && contains(box, Box3f{point, point});
-      },
-      [&](std::uint32_t, const Triangle& triangle) { found = found || lies_on(point, triangle); });
+  visit_box(structure, Box3f{point, point}, [&](std::uint32_t, const Triangle& triangle) {
+    found = lies_on(point, triangle);
+    return !found;
+  });
   return found;
 }
 
 }  // namespace
 
 bool Bvh::contains(const Vec3f& point) const {
-  const TreeView tree(*structure_);
-  if (!kerf::contains(tree.bounds(), Box3f{point, point})) return false;
+  if (!kerf::contains(structure_->wide.bounds, Box3f{point, point})) return false;
   return report_out_of_memory([&] {
-    if (on_surface(tree, point)) return true;
+    if (on_surface(*structure_, point)) return true;
     bool inside = false;
-    for_each_crossing(tree, {.origin = point, .direction = askew}, [&](std::uint32_t, const Hit&) {
+    for_each_crossing(*structure_, {.origin = point, .direction = askew}, [&](std::uint32_t, const Hit&) {
       inside = !inside;
       return true;
     });

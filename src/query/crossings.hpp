@@ -1,18 +1,21 @@
 // Every crossing of a ray, in order, from one traversal.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <limits>
 #include <memory_resource>
 #include <vector>
 
 #include <kerf/ray.hpp>
 
+#include "kernel/kernels.hpp"
 #include "math/vec3f.hpp"
 #include "out_of_memory.hpp"
 #include "query/line_crossing.hpp"
-#include "query/line_slabs.hpp"
-#include "query/tree_view.hpp"
+#include "structure.hpp"
 
 namespace kerf {
 
@@ -25,11 +28,11 @@ namespace kerf {
 /// meets, always at the same t: when it has been visited already, its place in the order is not behind that
 /// of the last one visited.
 template <class Visit>
-void for_each_crossing(const TreeView& tree, Ray ray, Visit&& visit) {
+void for_each_crossing(const Bvh::Structure& structure, Ray ray, Visit&& visit) {
   struct Item {
     float t;
     std::uint32_t order;  // 0: a node; else 1 + the triangle's number, so that at one t nodes come first
-    TreeView::Node node;
+    ChildLink link;
     float u, v;
   };
   const auto later = [](const Item& a, const Item& b) { return a.t != b.t ? a.t > b.t : a.order > b.order; };
@@ -37,7 +40,8 @@ void for_each_crossing(const TreeView& tree, Ray ray, Visit&& visit) {
   ray.t_min = std::max(ray.t_min, 0.0f);
   const bool valid =
       is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3f{} && ray.t_min <= ray.t_max;
-  if (tree.empty() || !valid) return;
+  const WideBvh& bvh = structure.wide;
+  if (bvh.empty() || !valid) return;
 
   // Enough for most rays without the heap: a few levels of waiting nodes.
   std::array<std::byte, 8192> stack;
@@ -52,12 +56,8 @@ void for_each_crossing(const TreeView& tree, Ray ray, Visit&& visit) {
   const auto rounded = [](double t) {
     return static_cast<float>(std::min(t, static_cast<double>(std::numeric_limits<float>::max()))) + 0.0f;
   };
-  const LineSlabs slabs(ray);
-  const auto push_node = [&](TreeView::Node node, const Box3f& box) {
-    const double t = slabs.entry(box);
-    if (t != std::numeric_limits<double>::infinity()) push({rounded(t), 0, node, 0.0f, 0.0f});
-  };
-  push_node(tree.root(), tree.bounds());
+  const PreparedLine line(ray);
+  push({ray.t_min, 0, ChildLink::node(0), 0.0f, 0.0f});
   Item last{-1.0f, 0, {}, 0.0f, 0.0f};
   while (!queue.empty()) {
     std::pop_heap(queue.begin(), queue.end(), later);
@@ -67,22 +67,31 @@ void for_each_crossing(const TreeView& tree, Ray ray, Visit&& visit) {
       if (!later(item, last)) continue;
       last = item;
       if (!visit(item.order - 1, Hit{item.t, item.u, item.v})) return;
-    } else if (tree.is_leaf(item.node)) {
-      tree.for_each_triangle(item.node, [&](std::uint32_t id, const Triangle& triangle) {
+    } else if (item.link.is_leaf()) {
+      for (std::uint32_t rest = structure.kernels->line_may_cross(bvh, item.link, line); rest != 0;
+           rest &= rest - 1) {
+        const auto place = static_cast<std::uint32_t>(std::countr_zero(rest));
+        const Triangle triangle = triangle_in(bvh, item.link, place);
         const auto crossing = cross_line(ray.origin, ray.direction, triangle);
         if (!crossing || order_against(*crossing, ray.t_min, ray.origin, ray.direction, triangle) < 0 ||
             order_against(*crossing, ray.t_max, ray.origin, ray.direction, triangle) > 0) {
-          return;
+          continue;
         }
         const Item found{rounded(crossing->t),
-                         1 + id,
+                         1 + triangle_id(bvh, item.link, place),
                          {},
                          static_cast<float>(crossing->u),
                          static_cast<float>(crossing->v)};
         if (later(found, last)) push(found);
-      });
+      }
     } else {
-      tree.for_each_child(item.node, push_node);
+      const WideNode& node = bvh.nodes[item.link.node()];
+      float entry[wide_node_children];
+      for (std::uint32_t rest = structure.kernels->line_meets(node, line, entry); rest != 0;
+           rest &= rest - 1) {
+        const int slot = std::countr_zero(rest);
+        push({entry[slot], 0, node.children[slot], 0.0f, 0.0f});
+      }
     }
   }
 }

@@ -18,34 +18,35 @@ inline bool overlaps(const Triangle& triangle, const Box3f& box) {
   const Vec3f vertices[3] = {triangle.v0, triangle.v1, triangle.v2};
 
   // Axes across an edge and a coordinate axis: does the line of the edge, seen along that axis, part the
-  // shadow of the box from the shadow of the third vertex?
+  // shadow of the box from the shadow of the third vertex, which lies to the left of all three edges or to
+  // the right of all? Of the box the corner farthest to that side decides.
+  int normal[3];  // signs of the components
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
+    const auto& [v0, v1, v2] = vertices;
+    const int third = orientation_2d(v0[i], v0[j], v1[i], v1[j], v2[i], v2[j]);
+    normal[(i + 2) % 3] = third;
     for (int e = 0; e < 3; ++e) {
-      const Vec3f &a = vertices[e], &b = vertices[(e + 1) % 3], &c = vertices[(e + 2) % 3];
-      const int third = orientation_2d(a[i], a[j], b[i], b[j], c[i], c[j]);
-      bool left = false, right = false;
-      for (const float x : {box.lower[i], box.upper[i]}) {
-        for (const float y : {box.lower[j], box.upper[j]}) {
-          const int side = orientation_2d(a[i], a[j], b[i], b[j], x, y);
-          left = left || side >= 0;
-          right = right || side <= 0;
-        }
-      }
-      if ((third >= 0 && !left) || (third <= 0 && !right)) return false;
+      const Vec3f &a = vertices[e], &b = vertices[(e + 1) % 3];
+      const bool up = b[i] > a[i], right = b[j] < a[j];  // where the left of the edge is
+      const auto side = [&](bool to_right, bool to_up) {
+        return orientation_2d(a[i], a[j], b[i], b[j], to_right ? box.upper[i] : box.lower[i],
+                              to_up ? box.upper[j] : box.lower[j]);
+      };
+      if (third >= 0 && side(right, up) < 0) return false;
+      if (third <= 0 && side(!right, !up) > 0) return false;
     }
   }
 
-  // The normal of the triangle: are all corners of the box on one side of its plane?
-  bool above = false, below = false;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3f p{corner & 1 ? box.upper.x : box.lower.x, corner & 2 ? box.upper.y : box.lower.y,
-                  corner & 4 ? box.upper.z : box.lower.z};
-    const int side = orientation(p, triangle.v0, triangle.v1, triangle.v2);
-    above = above || side >= 0;
-    below = below || side <= 0;
+  // The normal of the triangle: are the corners of the box that lie farthest along it and against it on one
+  // side of its plane?
+  Vec3f along, against;
+  for (int k = 0; k < 3; ++k) {
+    along[k] = normal[k] > 0 ? box.upper[k] : box.lower[k];
+    against[k] = normal[k] > 0 ? box.lower[k] : box.upper[k];
   }
-  return above && below;
+  return orientation(against, triangle.v0, triangle.v1, triangle.v2) >= 0 &&
+         orientation(along, triangle.v0, triangle.v1, triangle.v2) <= 0;
 }
 
 }  // namespace kerf

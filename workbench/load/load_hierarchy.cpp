@@ -1,9 +1,11 @@
 #include "workbench/load/load_hierarchy.hpp"
 
+#include <limits>
+
 #include <fmt/format.h>
 #include <kerf/error.hpp>
 
-#include "query/subtrees.hpp"
+#include "query/visit_box.hpp"
 #include "structure.hpp"
 #include "workbench/load/join_vertices.hpp"
 
@@ -25,13 +27,14 @@ Scene load_hierarchy(const std::filesystem::path& file) {
   scene.vertices.resize(3 * scene.triangles.size(), saved.bounds().lower);
   for (std::uint32_t i = 0; i < scene.triangles.size(); ++i)
     scene.triangles[i] = {3 * i, 3 * i + 1, 3 * i + 2};
-  for_each_leaf(
-      TreeView(*joined), [](const Box3f&) { return true; },
-      [&](std::uint32_t id, const Triangle& triangle) {
-        scene.vertices[3 * std::size_t{id}] = triangle.v0;
-        scene.vertices[3 * std::size_t{id} + 1] = triangle.v1;
-        scene.vertices[3 * std::size_t{id} + 2] = triangle.v2;
-      });
+  const float infinity = std::numeric_limits<float>::infinity();
+  visit_box(*joined, {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}},
+            [&](std::uint32_t id, const Triangle& triangle) {
+              scene.vertices[3 * std::size_t{id}] = triangle.v0;
+              scene.vertices[3 * std::size_t{id} + 1] = triangle.v1;
+              scene.vertices[3 * std::size_t{id} + 2] = triangle.v2;
+              return true;
+            });
   join_vertices(scene);
   scene.hierarchy = Bvh(std::move(joined));
   return scene;

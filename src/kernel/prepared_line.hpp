@@ -1,0 +1,26 @@
+// A ray's line as queries meet boxes with it.
+#pragma once
+
+#include <algorithm>
+
+#include <kerf/ray.hpp>
+
+#include "math/predicates.hpp"
+
+namespace kerf {
+
+/// Where 0 * infinity, for a ray in the plane of a face, is not a number, comparisons leave that face out.
+struct PreparedLine {
+  Vec3f origin, direction;
+  Vec3d inverse;
+  float t_min, t_max;
+
+  explicit PreparedLine(const Ray& ray)
+      : origin(ray.origin),
+        direction(ray.direction),
+        inverse{1.0 / ray.direction.x, 1.0 / ray.direction.y, 1.0 / ray.direction.z},
+        t_min(std::max(ray.t_min, 0.0f)),
+        t_max(ray.t_max) {}
+};
+
+}  // namespace kerf
