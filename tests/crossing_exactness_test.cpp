@@ -7,8 +7,8 @@
 #include "adversarial.hpp"
 #include "build_options.hpp"
 #include "exact_oracle.hpp"
+#include "kernel/kernels.hpp"
 #include "query/line_crossing.hpp"
-#include "query/line_slabs.hpp"
 
 namespace kerf {
 namespace {
@@ -152,7 +152,18 @@ TEST(AllHits, NoCrossingSeemsToComeBeforeItsBox) {
     const auto crossing = kerf::cross_line(origin, direction, triangle);
     if (!crossing || crossing->t < 0.0) continue;
     ++crossings;
-    ASSERT_LE(LineSlabs({.origin = origin, .direction = direction}).entry(bounds_of(triangle)), crossing->t);
+    const Box3f box = bounds_of(triangle);
+    WideNode node{};
+    for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
+      for (int axis = 0; axis < 3; ++axis) {
+        node.planes[axis][0][slot] = box.lower[axis];
+        node.planes[axis][1][slot] = box.upper[axis];
+      }
+    }
+    float entry[wide_node_children];
+    const PreparedLine line({.origin = origin, .direction = direction});
+    ASSERT_EQ(choose_kernels().line_meets(node, line, entry), 0xffffu);
+    for (const float t : entry) ASSERT_LE(t, static_cast<float>(crossing->t));
   }
   EXPECT_GT(crossings, 20000);
 }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
 
+#include "adversarial.hpp"
 #include "random_scenes.hpp"
 #include "stages.hpp"
 #include "structure.hpp"
@@ -38,6 +39,35 @@ TEST(Kernels, EveryInstructionSetGivesTheSameHits) {
     for (const kerf::Ray& ray : rays) {
       ASSERT_EQ(bvh.intersect(ray), best.intersect(ray)) << bvh.structure().kernels->target;
       ASSERT_EQ(bvh.occluded(ray), best.occluded(ray)) << bvh.structure().kernels->target;
+    }
+  }
+}
+
+// On a grid rays run through edges and vertices and points lie on surfaces.
+TEST(Kernels, EveryInstructionSetGivesTheSameAnswersToQueries) {
+  std::mt19937 random(19);
+  const adversarial::Soup on_grid =
+      adversarial::soup(400, [&] { return adversarial::grid_point(random, 3); });
+  const TriangleSoup soup = random_soup(random, 2000, 0.3f, 0.2f);
+  for (const kerf::TriangleMesh& mesh : {on_grid.mesh(), soup.mesh()}) {
+    const kerf::Bvh best = kerf::build(mesh);
+    for (const char* target : {"AVX3", "AVX2", "SSE4", "SCALAR"}) {
+      const kerf::Bvh bvh = build_for(target, mesh);
+      for (int i = 0; i < 500; ++i) {
+        const kerf::Vec3f a = i % 2 ? random_point(random) : adversarial::grid_point(random, 4);
+        const kerf::Vec3f b = i % 2 ? random_point(random) : adversarial::grid_point(random, 4);
+        const auto hits = [&](const kerf::Bvh& asked) {
+          std::vector<kerf::Hit> all;
+          asked.all_hits({.origin = a, .direction = b}, [&](const kerf::Hit& hit) { all.push_back(hit); });
+          return all;
+        };
+        ASSERT_EQ(hits(bvh), hits(best)) << target;
+        ASSERT_EQ(bvh.contains(a), best.contains(a)) << target;
+        ASSERT_EQ(bvh.triangles_in({min(a, b), max(a, b)}), best.triangles_in({min(a, b), max(a, b)}))
+            << target;
+        ASSERT_EQ(bvh.closest_point(a), best.closest_point(a)) << target;
+        ASSERT_EQ(bvh.within(a, 0.5f), best.within(a, 0.5f)) << target;
+      }
     }
   }
 }
