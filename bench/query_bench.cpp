@@ -57,7 +57,7 @@ void run(const std::string& spec) {
     for (const auto& [where, points] :
          {std::pair("anywhere", &questions.anywhere), std::pair("near", &questions.near)}) {
       benchmark::RegisterBenchmark((name + "/" + where).c_str(),
-                                   [points, question, set_up](benchmark::State& state) {
+                                   [points = points, question, set_up](benchmark::State& state) {
                                      [[maybe_unused]] const auto meanwhile = set_up();
                                      std::size_t next = 0;
                                      for (auto _ : state) {
