@@ -104,8 +104,8 @@ class Driver {
     number(top, 0, nodes, references, jobs, inner);
     tree.nodes.resize(nodes);
     tree.references.resize(references);
-    for (const auto& [slot, node] : inner) tree.nodes[slot] = node;
     parallel_for(jobs.size(), [&](std::size_t i) { copy(jobs[i], tree); });
+    for (const auto& [slot, node] : inner) tree.nodes[slot] = node;
     return jobs.capacity() * sizeof(Job) + inner.capacity() * sizeof(Inner);
   }
 
