@@ -1,6 +1,7 @@
 #include "kernel/any_hit_order.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "kernel/wide_children.hpp"
 
@@ -16,18 +17,19 @@ Prospect prospect_of_leaf(std::uint32_t triangles) {
 Prospect arrange(const BinaryTree& tree, const Collapse::Children& children,
                  const std::array<Prospect, wide_node_children>& prospects, WideNode& node) {
   const std::uint32_t count = children.count;
-  std::array<std::uint32_t, wide_node_children> from{};
+  // A child's slot is the number of those before it. Compilers make vectors of loops over all slots.
   std::array<float, wide_node_children> value;
+  std::array<std::uint32_t, wide_node_children> slots{}, from;
+  value.fill(std::numeric_limits<float>::infinity());
+  for (std::uint32_t child = 0; child < count; ++child)
+    value[child] = prospects[child].hit / prospects[child].steps;
   for (std::uint32_t child = 0; child < count; ++child) {
-    const float v = prospects[child].hit / prospects[child].steps;
-    std::uint32_t slot = child;
-    for (; slot > 0 && v < value[slot - 1]; --slot) {
-      value[slot] = value[slot - 1];
-      from[slot] = from[slot - 1];
+    for (std::uint32_t other = 0; other < wide_node_children; ++other) {
+      const bool is_less = value[child] < value[other], is_no_more = value[child] <= value[other];
+      slots[other] += std::uint32_t{is_less} | (std::uint32_t{is_no_more} & std::uint32_t{child < other});
     }
-    value[slot] = v;
-    from[slot] = child;
   }
+  for (std::uint32_t child = 0; child < count; ++child) from[slots[child]] = child;
   std::array<const BinaryNode*, wide_node_children> binaries{};
   std::array<ChildLink, wide_node_children> links;
   Box3f bounds;
