@@ -186,6 +186,7 @@ class Layout {
     ++section.size.nodes;
     section.deepest = std::max(section.deepest, depth);
     const Collapse::Children children = collapse_.children(binary);
+    for (std::uint32_t i = 0; i < children.count; ++i) collapse_.prefetch(children.node[i]);
     for (std::uint32_t i = 0; i < children.count; ++i) {
       if (collapse_.is_leaf(children.node[i])) {
         section.size.triangles += count_triangles(children.node[i]);
@@ -243,11 +244,12 @@ class Layout {
     return children;
   }
 
-  // Calls `visit` with the leaves of a node, those in its first slots.
+  // Calls `visit` with the leaves of a node. Behind its children stand slots with empty boxes.
   template <class Visit>
   void for_leaves(const WideNode& node, const Visit& visit) const {
-    for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
-      if (node.children[slot].is_leaf() && !child_box(node, slot).empty()) visit(node.children[slot]);
+    const auto& [lower, upper] = node.planes[0];
+    for (std::uint32_t slot = 0; slot < wide_node_children && lower[slot] <= upper[slot]; ++slot) {
+      if (node.children[slot].is_leaf()) visit(node.children[slot]);
     }
   }
 

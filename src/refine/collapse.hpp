@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <hwy/cache_control.h>
+
 #include "tree/aligned_array.hpp"
 #include "tree/binary_tree.hpp"
 
@@ -40,6 +42,12 @@ class Collapse {
     std::uint32_t count = 0;
   };
   Children children(std::uint32_t node) const;
+
+  /// Fetches what `children` reads first.
+  void prefetch(std::uint32_t node) const {
+    hwy::Prefetch(&decisions_[node]);
+    hwy::Prefetch(&tree_->nodes[node]);
+  }
 
   /// Whether the binary node, a child of a wide one, becomes a leaf.
   bool is_leaf(std::uint32_t node) const { return (decisions_[node] & leaf_bit) != 0; }
