@@ -104,6 +104,11 @@ TEST(AllHits, ANonsenseRayOrAnEmptyTreeHasNone) {
   EXPECT_TRUE(gather(Bvh(), {.origin = {0, 0, 0}, .direction = {1, 0, 0}}).empty());
 }
 
+TEST(AllHits, ANegativeTMinCountsAsZero) {
+  const Bvh bvh = build(workbench::make_box({-1, -1, -1}, {1, 1, 1}).mesh());
+  EXPECT_EQ(gather(bvh, {.origin = {0.3f, 0.1f, 0}, .direction = {0, 0, 1}, .t_min = -9}).size(), 1u);
+}
+
 // From inside an odd number, from outside an even one, whatever the ray is aimed at.
 TEST(AllHits, HasTheRightParityThroughEveryVertexAndEdge) {
   for (const Solid& solid : {workbench::make_sphere(3), workbench::make_box({-2, -2, -2}, {2, 2, 2}, 4),
