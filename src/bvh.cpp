@@ -7,6 +7,7 @@
 #include "build/build_tree.hpp"
 #include "build/input.hpp"
 #include "build/split_bvh_builder.hpp"
+#include "floating_point.hpp"
 #include "kernel/kernels.hpp"
 #include "kernel/wide_layout.hpp"
 #include "out_of_memory.hpp"
@@ -140,6 +141,7 @@ Bvh build(const TriangleMesh& mesh, const BuildOptions& options) {
 }
 
 Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
+  const PlainFloatingPoint plain;
   const auto start = std::chrono::steady_clock::now();
   Bvh bvh = report_out_of_memory([&] {
     const Geometry geometry(meshes);

@@ -1,4 +1,5 @@
-// oneTBB's loops, as the library and its tools use them.
+// oneTBB's loops, as the library and its tools use them. oneTBB's threads have the floating-point modes of
+// whoever used it first; tasks have the default ones.
 //
 // ThreadSanitizer sees synchronisation only in code that was compiled with it, and the packaged oneTBB was
 // not: every task would seem to race with whoever spawned it. In its builds the same tasks run on threads of
@@ -11,6 +12,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
+
+#include "floating_point.hpp"
 
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
@@ -56,6 +59,7 @@ void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& 
   std::mutex error_mutex;
   const auto size = static_cast<std::size_t>(end - begin);
   const auto work = [&] {
+    const PlainFloatingPoint plain;
     try {
       for (std::size_t at = next.fetch_add(grain); at < size; at = next.fetch_add(grain)) {
         body(tbb::blocked_range<Index>(static_cast<Index>(begin + at),
@@ -117,13 +121,20 @@ auto on_threads(unsigned wanted, const Work& work) {
 /// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`.
 template <class Index, class Body>
 void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range<Index>(begin, end, grain), body);
+  tbb::parallel_for(tbb::blocked_range<Index>(begin, end, grain),
+                    [&](const tbb::blocked_range<Index>& range) {
+                      const PlainFloatingPoint plain;
+                      body(range);
+                    });
 }
 
 /// Calls `body(i)` for every i of `0 .. count - 1`.
 template <class Index, class Body>
 void parallel_for(Index count, const Body& body) {
-  tbb::parallel_for(Index{0}, count, body);
+  tbb::parallel_for(Index{0}, count, [&](Index i) {
+    const PlainFloatingPoint plain;
+    body(i);
+  });
 }
 
 /// The sum of `body(range)` over ranges of `0 .. count - 1`, parted and added up in the same way on any
@@ -132,14 +143,23 @@ template <class Sum, class Index, class Body>
 Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
   return tbb::parallel_deterministic_reduce(
       tbb::blocked_range<Index>(0, count, grain), Sum{},
-      [&](const tbb::blocked_range<Index>& range, const Sum& sum) { return sum + body(range); },
+      [&](const tbb::blocked_range<Index>& range, const Sum& sum) {
+        const PlainFloatingPoint plain;
+        return sum + body(range);
+      },
       [](const Sum& a, const Sum& b) { return a + b; });
 }
 
 /// Calls both, perhaps at once.
 template <class First, class Second>
 void parallel_invoke(const First& first, const Second& second) {
-  tbb::parallel_invoke(first, second);
+  const auto plainly = [](const auto& call) {
+    return [&call] {
+      const PlainFloatingPoint plain;
+      call();
+    };
+  };
+  tbb::parallel_invoke(plainly(first), plainly(second));
 }
 
 /// Calls `work` on `wanted` threads, 0 for all there are, and returns what it returns. If the caller's arena

@@ -35,7 +35,9 @@ struct BvhStatistics {
 };
 
 /// A split bounding volume hierarchy, ready to trace. A handle: copies share one structure, which never
-/// changes, so every call may be made from any number of threads at once.
+/// changes, so every call may be made from any number of threads at once. What the calling thread does with
+/// denormals does not matter, nor how it rounds; only `intersect` and `occluded` of a single ray need a thread
+/// that rounds to nearest.
 class KERF_API Bvh {
  public:
   /// A hierarchy of nothing, which every ray misses.

@@ -1,8 +1,10 @@
+#include "floating_point.hpp"
 #include "query/crossings.hpp"
 
 namespace kerf {
 
 void Bvh::visit_hits(const Ray& ray, const void* visitor, bool (*visit)(const void*, const Hit&)) const {
+  const PlainFloatingPoint plain;
   for_each_crossing(*structure_, ray, [&](std::uint32_t id, Hit hit) {
     const PrimitiveId place = locate(*structure_, id);
     hit.primitive = place.primitive;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "floating_point.hpp"
 #include "kernel/kernels.hpp"
 #include "math/vec3f.hpp"
 #include "out_of_memory.hpp"
@@ -28,6 +29,7 @@ SurfacePoint surface_point(const Bvh::Structure& structure, const NearTriangle& 
 }  // namespace
 
 std::optional<SurfacePoint> Bvh::closest_point(const Vec3f& point, float max_distance) const {
+  const PlainFloatingPoint plain;
   if (!is_finite(point) || !(max_distance >= 0.0f) || structure_->wide.empty()) return std::nullopt;
   const double reach = static_cast<double>(max_distance) * max_distance;
   NearTriangle closest;
@@ -36,6 +38,7 @@ std::optional<SurfacePoint> Bvh::closest_point(const Vec3f& point, float max_dis
 }
 
 std::vector<SurfacePoint> Bvh::within(const Vec3f& point, float radius) const {
+  const PlainFloatingPoint plain;
   std::vector<SurfacePoint> points;
   if (!is_finite(point) || !(radius >= 0.0f) || structure_->wide.empty()) return points;
   const double reach = static_cast<double>(radius) * radius;

@@ -1,3 +1,4 @@
+#include "floating_point.hpp"
 #include "out_of_memory.hpp"
 #include "query/crossings.hpp"
 #include "query/visit_box.hpp"
@@ -21,6 +22,7 @@ bool on_surface(const Bvh::Structure& structure, const Vec3f& point) {
 }  // namespace
 
 bool Bvh::contains(const Vec3f& point) const {
+  const PlainFloatingPoint plain;
   if (!kerf::contains(structure_->wide.bounds, Box3f{point, point})) return false;
   return report_out_of_memory([&] {
     if (on_surface(*structure_, point)) return true;

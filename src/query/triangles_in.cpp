@@ -1,3 +1,4 @@
+#include "floating_point.hpp"
 #include "out_of_memory.hpp"
 #include "query/triangle_box.hpp"
 #include "query/visit_box.hpp"
@@ -5,6 +6,7 @@
 namespace kerf {
 
 std::vector<PrimitiveId> Bvh::triangles_in(const Box3f& box) const {
+  const PlainFloatingPoint plain;
   const Box3f finite =
       kerf::intersect(box, structure_->wide.bounds);  // infinite ends are of no use to exact arithmetic
   std::vector<PrimitiveId> places;
