@@ -2,6 +2,7 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <tbb/global_control.h>
 
 #include "adversarial.hpp"
@@ -137,6 +138,62 @@ TEST(KerfFile, WhatCannotBeReadOrWrittenIsNamed) {
   EXPECT_EQ(
       error_of([&] { Bvh::map(directory / "text.kerf"); }),
       std::pair(int{Error::bad_format}, (directory / "text.kerf").string() + ": this is not a .kerf file"));
+}
+
+TEST(KerfFile, SavingReplacesFilesAndNothingElse) {
+  const TemporaryDirectory directory;
+  const std::filesystem::path pipe = directory / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(error_of([&] { Bvh().save(pipe); }),
+            std::pair(int{Error::io}, pipe.string() + ": is not a file that can be replaced"));
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_EQ(error_of([&] { Bvh::load(pipe); }).first, Error::io);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory.path()), {}), 1);
+}
+
+TEST(KerfFile, SavingFollowsLinks) {
+  const TemporaryDirectory directory;
+  std::filesystem::create_symlink("middle", directory / "first");
+  std::filesystem::create_symlink(directory / "scene.kerf", directory / "middle");
+  for (int time = 0; time < 2; ++time) {  // nothing is there at first, then a file
+    Bvh().save(directory / "first");
+    EXPECT_TRUE(std::filesystem::is_symlink(directory / "first"));
+    EXPECT_TRUE(std::filesystem::is_symlink(directory / "middle"));
+    EXPECT_NO_THROW(Bvh::load(directory / "scene.kerf"));
+  }
+  std::filesystem::create_symlink("round", directory / "round");
+  EXPECT_EQ(error_of([&] { Bvh().save(directory / "round"); }).first, Error::io);
+}
+
+TEST(KerfFile, SavingKeepsThePermissionsOfTheOldFile) {
+  const TemporaryDirectory directory;
+  using std::filesystem::perms;
+  for (const perms mode : {perms::owner_read | perms::owner_write, perms(0664)}) {
+    Bvh().save(directory / "scene.kerf");
+    std::filesystem::permissions(directory / "scene.kerf", mode);
+    Bvh().save(directory / "scene.kerf");
+    EXPECT_EQ(std::filesystem::status(directory / "scene.kerf").permissions(), mode);
+  }
+}
+
+TEST(KerfFile, NamesMayBeAsLongAsTheSystemAllows) {
+  const TemporaryDirectory directory;
+  for (const std::size_t length : {240, 241, 255}) {
+    const std::filesystem::path path = directory / std::string(length, 'n');
+    Bvh().save(path);
+    Bvh().save(path);
+    EXPECT_NO_THROW(Bvh::load(path)) << length;
+  }
+  EXPECT_EQ(error_of([&] { Bvh().save(directory / std::string(256, 'n')); }).first, Error::io);
+}
+
+TEST(KerfFile, APathWithAZeroByteNamesNoFile) {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory / std::string("a\0b", 3);
+  Bvh().save(directory / "a");
+  EXPECT_EQ(error_of([&] { Bvh().save(path); }).first, Error::io);
+  EXPECT_EQ(error_of([&] { Bvh::load(path); }).first, Error::io);
+  EXPECT_EQ(error_of([&] { Bvh::map(path); }).first, Error::io);
 }
 
 TEST(KerfFile, OtherVersionsAndByteOrdersAreToldFromDamage) {

@@ -114,8 +114,9 @@ class KERF_API Bvh {
 
   /// Writes the hierarchy to a file, `docs/file-format.md` says how: the same bytes for the same meshes and
   /// options, whatever the number of threads. The file is written beside `path` and takes its name when it is
-  /// complete and on the disk, so that a crash leaves the old file or the new one. Throws `Error::io` or
-  /// `out_of_memory`.
+  /// complete and on the disk, so that a crash leaves the old file or the new one. An old file's permissions
+  /// are kept, links are followed, and what is no file (a directory, a device) is not replaced. Throws
+  /// `Error::io` or `out_of_memory`.
   void save(const std::filesystem::path& path) const;
 
   /// Reads a file that `save` wrote. Everything in it is checked before it is used: a damaged or forged file

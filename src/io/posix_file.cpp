@@ -30,16 +30,48 @@ constexpr std::size_t part_bytes = std::size_t{1} << 22;
   throw Error(Error::io, sentence);
 }
 
-// The new file until it has its name; removed if that does not come to pass.
+[[noreturn]] void refuse(const std::filesystem::path& path, const char* what) {
+  char sentence[512];
+  std::snprintf(sentence, sizeof sentence, "%s: %s", path.c_str(), what);
+  throw Error(Error::io, sentence);
+}
+
+// The system would take the path to end at a zero byte and open another file.
+void check_path(const std::filesystem::path& path) {
+  if (path.native().find('\0') != std::string::npos) refuse(path, "has a zero byte in its name");
+}
+
+// The file that `path` means: what stands at the end of a chain of symbolic links, or could.
+std::filesystem::path follow_links(std::filesystem::path path) {
+  constexpr int most_links = 40;  // as many as the system follows
+  std::error_code error;
+  for (int links = 0; std::filesystem::is_symlink(path, error); ++links) {
+    if (links == most_links) fail(path, "cannot be written", ELOOP);
+    path = path.parent_path() / std::filesystem::read_symlink(path, error);
+    if (error) fail(path, "cannot be written", error.value());
+  }
+  return path;
+}
+
+// The new file until it has its name; removed if that does not come to pass. Devices, pipes and directories
+// are not replaced. Who may read and write an old file may do so with the new one.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::filesystem::path& final_path) : final_path_(final_path) {
+    struct stat old {};
+    const bool replaces = ::stat(final_path.c_str(), &old) == 0;
+    if (replaces && !S_ISREG(old.st_mode)) refuse(final_path, "is not a file that can be replaced");
+    const mode_t mode = replaces ? old.st_mode & 0777 : 0666;
+    // With a number of up to ten digits it fits into the 255 bytes that a name may have.
+    constexpr std::size_t longest_name = 240;
+    const std::string name = final_path.filename().string().substr(0, longest_name);
     std::random_device random;
     do {
-      path_ = final_path.string() + "." + std::to_string(random()) + ".tmp";
-      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      path_ = (final_path.parent_path() / (name + "." + std::to_string(random()) + ".tmp")).string();
+      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     } while (descriptor_ < 0 && errno == EEXIST);
     if (descriptor_ < 0) fail(final_path, "cannot be written", errno);
+    if (replaces) (void)::fchmod(descriptor_, mode);  // what file systems without permissions refuse
   }
   ~TemporaryFile() {
     if (descriptor_ >= 0) ::close(descriptor_);
@@ -88,14 +120,16 @@ void sync_directory(const std::filesystem::path& path) {
 
 }  // namespace
 
-InputFile::InputFile(const std::filesystem::path& path)
-    : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
+  check_path(path);
+  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor_ < 0) fail(path, "cannot be opened", errno);
   struct stat status {};
   const bool known = ::fstat(descriptor_, &status) == 0;
   if (!known || !S_ISREG(status.st_mode)) {
-    const int error = known ? (S_ISDIR(status.st_mode) ? EISDIR : ESPIPE) : errno;
+    const int error = known ? EISDIR : errno;
     ::close(descriptor_);
+    if (known && !S_ISDIR(status.st_mode)) refuse(path, "is not a file that can be read");
     fail(path, "cannot be read as a file", error);
   }
   size_ = static_cast<std::uint64_t>(status.st_size);
@@ -132,10 +166,12 @@ std::shared_ptr<const std::byte> InputFile::map() const {
 }
 
 void replace_file(const std::filesystem::path& path, std::span<const std::span<const std::byte>> parts) {
-  TemporaryFile file(path);
+  check_path(path);
+  const std::filesystem::path target = follow_links(path);
+  TemporaryFile file(target);
   for (const auto& part : parts) file.write(part);
   file.finish();
-  sync_directory(path);
+  sync_directory(target);
 }
 
 }  // namespace kerf

@@ -36,7 +36,8 @@ class InputFile {
 /// Writes `parts` one after another to a new file beside `path`, waits until they are on the disk, and gives
 /// it the name `path`: whenever the machine or the process stops, `path` is the old file or the new one. If
 /// the process stops in between, the new file may be left behind under its temporary name, `path` with a
-/// number and ".tmp" behind it. Throws `Error::io`, having removed the temporary file.
+/// number and ".tmp" behind it. A symbolic link stays, and the file it names is replaced; what is there and
+/// not a file, such as a device, is left alone. Throws `Error::io`, having removed the temporary file.
 void replace_file(const std::filesystem::path& path, std::span<const std::span<const std::byte>> parts);
 
 }  // namespace kerf
