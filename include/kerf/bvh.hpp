@@ -96,7 +96,8 @@ class KERF_API Bvh {
   bool contains(const Vec3f& point) const;
 
   /// The closest point of any triangle within `max_distance` (included); nothing if there is none. Of several
-  /// at the same distance, the lowest mesh and triangle.
+  /// at the same distance, the lowest mesh and triangle. Distances are computed in double precision: of a point
+  /// on a triangle it may be a rounding of its coordinates instead of 0, which a limit of 0 then excludes.
   std::optional<SurfacePoint> closest_point(
       const Vec3f& point, float max_distance = std::numeric_limits<float>::infinity()) const;
 
