@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -6,8 +7,11 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 #include <kerf/kerf.hpp>
 
+#include "build/input.hpp"
+#include "math/triangle.hpp"
 #include "random_triangles.hpp"
 
 namespace {
@@ -114,6 +118,42 @@ TEST(BuildInput, StridedVerticesAndSeveralMeshesGiveTheSameBoxes) {
   const kerf::Bvh both = kerf::build(halves);
   EXPECT_EQ(one.bounds(), both.bounds());
   EXPECT_EQ(one.statistics().references, both.statistics().references);
+}
+
+// Thin and thick triangles, some of them in a plane of two axes, some without an area; behind each corner
+// stands what is no number.
+TEST(BuildInput, OnEveryInstructionSetTrianglesWithAnAreaBecomeTheirBoxes) {
+  Mesh mesh = kerf_tests::random_triangles(9000, 0.2f, 1e-3f);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    kerf::Vec3f* const corners = &mesh.vertices[3 * i];
+    if (i % 3 == 1) corners[0].y = corners[1].y = corners[2].y = -0.0f;
+    if (i % 5 == 1) corners[2] = corners[0] + (corners[1] - corners[0]) * 0.5f;
+    if (i % 7 == 1) corners[2] = corners[1];
+    if (i % 11 == 1) std::for_each(corners, corners + 3, [](kerf::Vec3f& v) { v = v * 1e-30f; });
+  }
+  std::vector<std::array<float, 4>> vertices;
+  for (const kerf::Vec3f& v : mesh.vertices)
+    vertices.push_back({v.x, v.y, v.z, std::numeric_limits<float>::quiet_NaN()});
+  const kerf::TriangleMesh view{.vertices = vertices, .triangles = mesh.triangles};
+  const kerf::Geometry geometry(std::span(&view, 1));
+  for (const std::int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3, HWY_EMU128}) {
+    hwy::SetSupportedTargetsForTest(0);
+    if (target != HWY_EMU128 && (hwy::SupportedTargets() & target) == 0) continue;
+    hwy::SetSupportedTargetsForTest(target);
+    SCOPED_TRACE(hwy::TargetName(target));
+    const std::vector<kerf::Reference> references = kerf::make_references(geometry).references;
+    std::size_t count = 0;
+    for (std::uint32_t id = 0; id < mesh.triangles.size(); ++id) {
+      const kerf::Triangle triangle = geometry.triangle(id);
+      if (kerf::is_degenerate(triangle)) continue;
+      ASSERT_LT(count, references.size());
+      EXPECT_EQ(references[count].primitive, id);
+      EXPECT_EQ(references[count++].bounds(), kerf::bounds_of(triangle));
+    }
+    EXPECT_EQ(count, references.size());
+    EXPECT_LT(count, 8000u);
+  }
+  hwy::SetSupportedTargetsForTest(0);
 }
 
 }  // namespace
