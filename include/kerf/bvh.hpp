@@ -36,8 +36,8 @@ struct BvhStatistics {
 
 /// A split bounding volume hierarchy, ready to trace. A handle: copies share one structure, which never
 /// changes, so every call may be made from any number of threads at once. What the calling thread does with
-/// denormals does not matter, nor how it rounds; only `intersect` and `occluded` of a single ray need a thread
-/// that rounds to nearest.
+/// denormals does not matter, nor how it rounds; only `intersect` and `occluded` of a single ray need a
+/// thread that rounds to nearest.
 class KERF_API Bvh {
  public:
   /// A hierarchy of nothing, which every ray misses.
@@ -96,8 +96,9 @@ class KERF_API Bvh {
   bool contains(const Vec3f& point) const;
 
   /// The closest point of any triangle within `max_distance` (included); nothing if there is none. Of several
-  /// at the same distance, the lowest mesh and triangle. Distances are computed in double precision: of a point
-  /// on a triangle it may be a rounding of its coordinates instead of 0, which a limit of 0 then excludes.
+  /// at the same distance, the lowest mesh and triangle. Distances are computed in double precision: of a
+  /// point on a triangle it may be a rounding of its coordinates instead of 0, which a limit of 0 then
+  /// excludes.
   std::optional<SurfacePoint> closest_point(
       const Vec3f& point, float max_distance = std::numeric_limits<float>::infinity()) const;
 

@@ -49,8 +49,8 @@ ReadTriangles ReadRow(const Geometry& geometry, const TriangleRow& row, Referenc
     const Vec4 a = hn::And(load_corner(vertices, i0), corner_mask),
                b = hn::And(load_corner(vertices, i1), corner_mask),
                c = hn::And(load_corner(vertices, i2), corner_mask);
-    const auto are_small = hn::And(hn::And(hn::Lt(hn::Abs(a), limit), hn::Lt(hn::Abs(b), limit)),
-                                   hn::Lt(hn::Abs(c), limit));
+    const auto are_small =
+        hn::And(hn::And(hn::Lt(hn::Abs(a), limit), hn::Lt(hn::Abs(b), limit)), hn::Lt(hn::Abs(c), limit));
     if (!hn::AllTrue(four, are_small)) break;
     if (!has_area(a, b, c) && is_degenerate(geometry.triangle_of(row.mesh, i))) continue;
     const SimdBox box = from_halves(hn::Min(hn::Min(a, b), c), hn::Neg(hn::Max(hn::Max(a, b), c)));

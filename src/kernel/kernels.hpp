@@ -44,8 +44,8 @@ struct Kernels {
                     bool (*visit)(void* visitor, ChildLink leaf, std::uint32_t place));
 
   /// Bit i: the ray meets the box of child i, and enters it at `entry[i]` (Ize 2013, "Robust BVH Ray
-  /// Traversal"): early by what rounding may take off a crossing in it, see `LineCrossing`, so that none seems
-  /// to come before its box. Sixteen entries are written.
+  /// Traversal"): early by what rounding may take off a crossing in it, see `LineCrossing`, so that none
+  /// seems to come before its box. Sixteen entries are written.
   std::uint32_t (*line_meets)(const WideNode& node, const PreparedLine& line, float* entry);
   /// Bit i: what double precision tells for certain does not rule out that the line crosses triangle i.
   std::uint32_t (*line_may_cross)(const WideBvh& bvh, ChildLink leaf, const PreparedLine& line);
