@@ -139,13 +139,13 @@ TEST(FloatingPoint, QueriesAndSpansAnswerTheSameWhateverTheCallersThreadIsSetTo)
 
 #if defined(__SSE2__)
 TEST(FloatingPoint, SingleRaysAreAsWatertightWhereDenormalsAreFlushed) {
-  for (const auto& [name, solid] : workbench::make_watertight_solids()) {
-    const Bvh bvh = build(solid.mesh(), spatial_splits_everywhere());
+  for (const workbench::NamedSolid& named : workbench::make_watertight_solids()) {
+    const Bvh bvh = build(named.solid.mesh(), spatial_splits_everywhere());
     Mode::flushing().run([&] {
       const workbench::AimedRayCounts counts =
-          workbench::trace_aimed_rays(solid, bvh, test::reduced(10000), 1);
-      EXPECT_EQ(counts.leaks, 0u) << name;
-      EXPECT_EQ(counts.parity_errors, 0u) << name;
+          workbench::trace_aimed_rays(named.solid, bvh, test::reduced(10000), 1);
+      EXPECT_EQ(counts.leaks, 0u) << named.name;
+      EXPECT_EQ(counts.parity_errors, 0u) << named.name;
     });
   }
 }
