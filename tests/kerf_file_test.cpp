@@ -178,7 +178,7 @@ TEST(KerfFile, SavingKeepsThePermissionsOfTheOldFile) {
 
 TEST(KerfFile, NamesMayBeAsLongAsTheSystemAllows) {
   const TemporaryDirectory directory;
-  for (const std::size_t length : {240, 241, 255}) {
+  for (const std::size_t length : {240u, 241u, 255u}) {
     const std::filesystem::path path = directory / std::string(length, 'n');
     Bvh().save(path);
     Bvh().save(path);
