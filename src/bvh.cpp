@@ -26,12 +26,11 @@ std::shared_ptr<const Bvh::Structure> nothing() noexcept {
 
 // Names the triangle of a hit by mesh and primitive.
 void name_triangle(const Bvh::Structure& structure, Hit& hit) {
-  const auto& first = structure.first_triangles;
   hit.mesh = 0;
-  if (first.size() == 2) return;
-  hit.mesh = static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), hit.primitive) -
-                                        first.begin() - 1);
-  hit.primitive -= first[hit.mesh];
+  if (structure.first_triangles.size() == 2) return;
+  const PrimitiveId place = locate(structure, hit.primitive);
+  hit.primitive = place.primitive;
+  hit.mesh = place.mesh;
 }
 
 std::optional<Hit> named(const Bvh::Structure& structure, Hit hit) {
