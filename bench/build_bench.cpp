@@ -9,10 +9,10 @@
 #include <benchmark/benchmark.h>
 #include <kerf/build.hpp>
 
-#include "build/build_tree.hpp"
-#include "build/input.hpp"
-#include "build/subtree.hpp"
-#include "workbench/scene.hpp"
+#include "construction/construct.hpp"
+#include "construction/input.hpp"
+#include "construction/sbvh/subtree.hpp"
+#include "workbench/scene/scene.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "workbench/scene.hpp"
+#include "workbench/scene/scene.hpp"
 
 namespace bench {
 

@@ -11,7 +11,7 @@
 #include <tbb/global_control.h>
 #include <unistd.h>
 
-#include "workbench/scene.hpp"
+#include "workbench/scene/scene.hpp"
 
 namespace {
 

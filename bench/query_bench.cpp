@@ -13,8 +13,8 @@
 #include <kerf/kerf.hpp>
 
 #include "bench/embree_points.hpp"
-#include "workbench/peers/flush_denormals.hpp"
-#include "workbench/scene.hpp"
+#include "workbench/bench/peers/flush_denormals.hpp"
+#include "workbench/scene/scene.hpp"
 
 namespace {
 

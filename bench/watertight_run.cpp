@@ -9,8 +9,8 @@
 #include <fmt/core.h>
 #include <kerf/kerf.hpp>
 
-#include "parallel.hpp"
-#include "workbench/aimed_rays.hpp"
+#include "base/parallel.hpp"
+#include "workbench/rays/aimed_rays.hpp"
 
 int main(int argc, char** argv) {
   const std::uint64_t rays = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 100'000'000;

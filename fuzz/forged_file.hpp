@@ -11,10 +11,10 @@
 
 #include <kerf/kerf.hpp>
 
-#include "io/checksum.hpp"
-#include "io/file_image.hpp"
+#include "base/aligned_array.hpp"
+#include "files/checksum.hpp"
+#include "files/file_image.hpp"
 #include "structure.hpp"
-#include "tree/aligned_array.hpp"
 
 namespace forged {
 

@@ -4,16 +4,16 @@
 
 #include <kerf/kerf.hpp>
 
-#include "build/build_tree.hpp"
-#include "build/input.hpp"
-#include "build/split_bvh_builder.hpp"
-#include "floating_point.hpp"
-#include "kernel/kernels.hpp"
-#include "kernel/wide_layout.hpp"
-#include "out_of_memory.hpp"
-#include "parallel.hpp"
+#include "base/fp_environment.hpp"
+#include "base/out_of_memory.hpp"
+#include "base/parallel.hpp"
+#include "construction/construct.hpp"
+#include "construction/input.hpp"
+#include "construction/sbvh/parallel_build.hpp"
+#include "layout/lay_out.hpp"
 #include "stages.hpp"
 #include "structure.hpp"
+#include "traversal/dispatch.hpp"
 
 namespace kerf {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <kerf/build.hpp>
 
-#include "kernel/counters.hpp"
+#include "traversal/rays/counters.hpp"
 #include "tree/binary_tree.hpp"
 #include "tree/geometry.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <kerf/bvh.hpp>
 
-#include "kernel/wide_bvh.hpp"
+#include "layout/wide_bvh.hpp"
 
 namespace kerf {
 

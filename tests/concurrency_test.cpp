@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
 
-#include "adversarial.hpp"
-#include "temporary_directory.hpp"
-#include "workbench/solids.hpp"
+#include "support/adversarial.hpp"
+#include "support/temporary_directory.hpp"
+#include "workbench/generate/solids.hpp"
 
 namespace kerf {
 namespace {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <kerf/error.hpp>
 
-#include "workbench/compare.hpp"
-#include "workbench/scene_spec.hpp"
+#include "workbench/compare/compare.hpp"
+#include "workbench/scene/scene_spec.hpp"
 
 namespace kerf_tool {
 namespace {

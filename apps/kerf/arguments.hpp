@@ -9,7 +9,7 @@
 #include <kerf/build.hpp>
 #include <kerf/error.hpp>
 
-#include "workbench/scene.hpp"
+#include "workbench/scene/scene.hpp"
 
 namespace kerf_tool {
 

@@ -12,12 +12,12 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "output.hpp"
-#include "workbench/bench.hpp"
-#include "workbench/bench_report.hpp"
-#include "workbench/peers/embree.hpp"
-#include "workbench/peers/kerf_engine.hpp"
-#include "workbench/progress.hpp"
-#include "workbench/report_machine.hpp"
+#include "workbench/bench/bench.hpp"
+#include "workbench/bench/peers/embree.hpp"
+#include "workbench/bench/peers/kerf_engine.hpp"
+#include "workbench/bench/report.hpp"
+#include "workbench/report/machine.hpp"
+#include "workbench/terminal/progress.hpp"
 
 namespace kerf_tool {
 namespace {

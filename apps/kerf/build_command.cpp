@@ -6,8 +6,8 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "output.hpp"
-#include "workbench/compare_measures.hpp"
-#include "workbench/progress.hpp"
+#include "workbench/compare/measures.hpp"
+#include "workbench/terminal/progress.hpp"
 
 namespace kerf_tool {
 namespace {

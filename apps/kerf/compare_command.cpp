@@ -3,7 +3,7 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "measure.hpp"
-#include "workbench/compare_table.hpp"
+#include "workbench/compare/table.hpp"
 
 namespace kerf_tool {
 namespace {

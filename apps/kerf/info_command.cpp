@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include "arguments.hpp"
-#include "build/build_tree.hpp"
 #include "commands.hpp"
+#include "construction/construct.hpp"
 #include "output.hpp"
 #include "stages.hpp"
-#include "tree/metrics.hpp"
-#include "workbench/compare_measures.hpp"
+#include "tree/measures/measures.hpp"
+#include "workbench/compare/measures.hpp"
 
 namespace kerf_tool {
 namespace {

@@ -12,8 +12,8 @@
 
 #include "arguments.hpp"
 #include "output.hpp"
-#include "workbench/compare_json.hpp"
-#include "workbench/progress.hpp"
+#include "workbench/compare/json.hpp"
+#include "workbench/terminal/progress.hpp"
 
 namespace kerf_tool {
 namespace {

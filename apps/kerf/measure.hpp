@@ -6,9 +6,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "workbench/compare.hpp"
-#include "workbench/report.hpp"
-#include "workbench/table.hpp"
+#include "workbench/compare/compare.hpp"
+#include "workbench/report/report.hpp"
+#include "workbench/terminal/table.hpp"
 
 namespace kerf_tool {
 

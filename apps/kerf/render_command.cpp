@@ -6,10 +6,10 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "output.hpp"
-#include "workbench/image.hpp"
-#include "workbench/progress.hpp"
-#include "workbench/render.hpp"
-#include "workbench/render_heat.hpp"
+#include "workbench/render/heat.hpp"
+#include "workbench/render/image.hpp"
+#include "workbench/render/render.hpp"
+#include "workbench/terminal/progress.hpp"
 
 namespace kerf_tool {
 namespace {

@@ -2,9 +2,9 @@
 
 #include "commands.hpp"
 #include "output.hpp"
-#include "workbench/compare_measures.hpp"
-#include "workbench/generated_scenes.hpp"
-#include "workbench/table.hpp"
+#include "workbench/compare/measures.hpp"
+#include "workbench/generate/generated_scenes.hpp"
+#include "workbench/terminal/table.hpp"
 
 namespace kerf_tool {
 namespace {

@@ -5,8 +5,8 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "measure.hpp"
-#include "workbench/compare_measures.hpp"
-#include "workbench/compare_table.hpp"
+#include "workbench/compare/measures.hpp"
+#include "workbench/compare/table.hpp"
 
 namespace kerf_tool {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <kerf/kerf.hpp>
 
-#include "workbench/solids.hpp"
+#include "workbench/generate/solids.hpp"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/uninitialized.hpp"
 #include "math/box3f.hpp"
-#include "tree/uninitialized.hpp"
 
 namespace kerf {
 

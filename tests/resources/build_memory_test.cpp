@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
 
-#include "counted_memory.hpp"
-#include "tests/random_triangles.hpp"
-#include "workbench/scene.hpp"
-#include "workbench/solids.hpp"
+#include "resources/counted_memory.hpp"
+#include "tests/support/random_triangles.hpp"
+#include "workbench/generate/solids.hpp"
+#include "workbench/scene/scene.hpp"
 
 namespace kerf {
 namespace {

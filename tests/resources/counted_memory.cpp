@@ -1,4 +1,4 @@
-#include "counted_memory.hpp"
+#include "resources/counted_memory.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
 
-#include "counted_memory.hpp"
-#include "tests/build_options.hpp"
-#include "tests/temporary_directory.hpp"
-#include "workbench/solids.hpp"
+#include "resources/counted_memory.hpp"
+#include "tests/support/build_options.hpp"
+#include "tests/support/temporary_directory.hpp"
+#include "workbench/generate/solids.hpp"
 
 namespace kerf {
 namespace {

@@ -3,9 +3,9 @@
 // were made for.
 #include <cmath>
 
-#include "workbench/generate/angles.hpp"
 #include "workbench/generate/generate.hpp"
 #include "workbench/generate/ornaments.hpp"
+#include "workbench/sampling/angles.hpp"
 
 namespace workbench {
 namespace {

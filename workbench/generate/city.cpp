@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "workbench/generate/angles.hpp"
 #include "workbench/generate/generate.hpp"
 #include "workbench/generate/noise.hpp"
 #include "workbench/generate/ornaments.hpp"
-#include "workbench/generate/random.hpp"
+#include "workbench/sampling/angles.hpp"
+#include "workbench/sampling/random.hpp"
 
 namespace workbench {
 namespace {

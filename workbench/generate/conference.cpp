@@ -2,10 +2,10 @@
 // legs, tilted slats and trusses: long narrow triangles along no axis.
 #include <cmath>
 
-#include "workbench/generate/angles.hpp"
 #include "workbench/generate/generate.hpp"
 #include "workbench/generate/ornaments.hpp"
-#include "workbench/generate/random.hpp"
+#include "workbench/sampling/angles.hpp"
+#include "workbench/sampling/random.hpp"
 
 namespace workbench {
 namespace {

@@ -2,7 +2,7 @@
 // every machine, with the y axis up and lengths in metres.
 #pragma once
 
-#include "workbench/scene.hpp"
+#include "workbench/scene/scene.hpp"
 
 namespace workbench {
 

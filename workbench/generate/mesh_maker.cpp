@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "workbench/generate/angles.hpp"
+#include "workbench/sampling/angles.hpp"
 
 namespace workbench {
 

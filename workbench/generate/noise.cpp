@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "workbench/generate/random.hpp"
+#include "workbench/sampling/random.hpp"
 
 namespace workbench {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "workbench/generate/generate.hpp"
 #include "workbench/generate/mesh_maker.hpp"
-#include "workbench/generate/random_direction.hpp"
+#include "workbench/sampling/random_direction.hpp"
 
 namespace workbench {
 namespace {

@@ -1,0 +1,178 @@
+// oneTBB's loops, as the library and its tools use them. oneTBB's threads have the floating-point modes of
+// whoever used it first; tasks have the default ones.
+//
+// ThreadSanitizer sees synchronisation only in code that was compiled with it, and the packaged oneTBB was
+// not: every task would seem to race with whoever spawned it. In its builds the same tasks run on threads of
+// the standard library, which it understands, so that what it reports is a race between tasks and nothing
+// else.
+#pragma once
+
+#include <algorithm>
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include "base/fp_environment.hpp"
+
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define KERF_STANDARD_THREADS
+#endif
+#endif
+#if defined(__SANITIZE_THREAD__)
+#define KERF_STANDARD_THREADS
+#endif
+
+#ifdef KERF_STANDARD_THREADS
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+#else
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/parallel_reduce.h>
+#endif
+
+namespace kerf {
+
+/// How many threads work where `wanted` are asked for, or, with 0, all there are: oneTBB has no more for
+/// anyone than it is held to, and warns whoever asks for more.
+inline int usable_threads(unsigned wanted) {
+  const auto most =
+      static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  return static_cast<int>(wanted == 0 ? most : std::min(wanted, most));
+}
+
+#ifdef KERF_STANDARD_THREADS
+
+/// Whether this thread works alone.
+inline thread_local bool one_thread_only = false;
+
+/// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`.
+template <class Index, class Body>
+void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& body) {
+  std::atomic<std::size_t> next = 0;
+  std::exception_ptr error;
+  std::mutex error_mutex;
+  const auto size = static_cast<std::size_t>(end - begin);
+  const auto work = [&] {
+    const PlainFloatingPoint plain;
+    try {
+      for (std::size_t at = next.fetch_add(grain); at < size; at = next.fetch_add(grain)) {
+        body(tbb::blocked_range<Index>(static_cast<Index>(begin + at),
+                                       static_cast<Index>(begin + std::min(at + grain, size))));
+      }
+    } catch (...) {
+      const std::lock_guard lock(error_mutex);
+      error = std::current_exception();
+    }
+  };
+  if (one_thread_only) {
+    work();
+  } else {
+    const std::jthread other(work);
+    work();
+  }
+  if (error) std::rethrow_exception(error);
+}
+
+/// Calls `body(i)` for every i of `0 .. count - 1`.
+template <class Index, class Body>
+void parallel_for(Index count, const Body& body) {
+  parallel_for_ranges(Index{0}, count, 1, [&](const auto& range) {
+    for (Index i = range.begin(); i != range.end(); ++i) body(i);
+  });
+}
+
+/// The sum of `body(range)` over ranges of `0 .. count - 1`, parted and added up in the same way on any
+/// number of threads.
+template <class Sum, class Index, class Body>
+Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
+  std::vector<Sum> parts((static_cast<std::size_t>(count) + grain - 1) / grain);
+  parallel_for_ranges(Index{0}, count, grain,
+                      [&](const auto& range) { parts[range.begin() / grain] = body(range); });
+  Sum sum{};
+  for (const Sum& part : parts) sum = sum + part;
+  return sum;
+}
+
+/// Calls both, perhaps at once.
+template <class First, class Second>
+void parallel_invoke(const First& first, const Second& second) {
+  parallel_for(2, [&](int i) { i == 0 ? first() : second(); });
+}
+
+/// Calls `work` on `wanted` threads, 0 for all there are, and returns what it returns.
+template <class Work>
+auto on_threads(unsigned wanted, const Work& work) {
+  struct Restore {
+    bool before = one_thread_only;
+    ~Restore() { one_thread_only = before; }
+  } restore;
+  one_thread_only = usable_threads(wanted) == 1;
+  return work();
+}
+
+#else
+
+/// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`.
+template <class Index, class Body>
+void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& body) {
+  tbb::parallel_for(tbb::blocked_range<Index>(begin, end, grain),
+                    [&](const tbb::blocked_range<Index>& range) {
+                      const PlainFloatingPoint plain;
+                      body(range);
+                    });
+}
+
+/// Calls `body(i)` for every i of `0 .. count - 1`.
+template <class Index, class Body>
+void parallel_for(Index count, const Body& body) {
+  tbb::parallel_for(Index{0}, count, [&](Index i) {
+    const PlainFloatingPoint plain;
+    body(i);
+  });
+}
+
+/// The sum of `body(range)` over ranges of `0 .. count - 1`, parted and added up in the same way on any
+/// number of threads.
+template <class Sum, class Index, class Body>
+Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
+  return tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<Index>(0, count, grain), Sum{},
+      [&](const tbb::blocked_range<Index>& range, const Sum& sum) {
+        const PlainFloatingPoint plain;
+        return sum + body(range);
+      },
+      [](const Sum& a, const Sum& b) { return a + b; });
+}
+
+/// Calls both, perhaps at once.
+template <class First, class Second>
+void parallel_invoke(const First& first, const Second& second) {
+  const auto plainly = [](const auto& call) {
+    return [&call] {
+      const PlainFloatingPoint plain;
+      call();
+    };
+  };
+  tbb::parallel_invoke(plainly(first), plainly(second));
+}
+
+/// Calls `work` on `wanted` threads, 0 for all there are, and returns what it returns. If the caller's arena
+/// has as many, they need not be called into another, which takes 70 microseconds each time; `work` then
+/// waits for its own tasks only, as it would in an arena of its own.
+template <class Work>
+auto on_threads(unsigned wanted, const Work& work) {
+  const int threads = usable_threads(wanted);
+  if (tbb::this_task_arena::max_concurrency() == threads) return tbb::this_task_arena::isolate(work);
+  tbb::task_arena arena(threads);
+  return arena.execute(work);
+}
+
+#endif
+
+}  // namespace kerf

@@ -1,0 +1,39 @@
+// A triangle's corner in a vector register.
+// Included once for each instruction set: see subtree.cpp.
+
+#if defined(KERF_CONSTRUCTION_LOAD_CORNER_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_CONSTRUCTION_LOAD_CORNER_INL_H
+#undef KERF_CONSTRUCTION_LOAD_CORNER_INL_H
+#else
+#define KERF_CONSTRUCTION_LOAD_CORNER_INL_H
+#endif
+
+#include <cstring>
+
+#include <kerf/mesh.hpp>
+
+#include "simd/box-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+
+// Corners without a negative zero: instruction sets disagree about which zero is the lesser.
+HWY_INLINE Vec4 load_corner(const TripleView<float>& vertices, std::uint32_t index) {
+  const std::byte* const at = vertices.data() + index * vertices.stride();
+  Vec4 corner;
+  if (index + 1 < vertices.size() && vertices.stride() >= 4) {  // a fourth float can be read
+    corner = hn::LoadU(four, reinterpret_cast<const float*>(at));
+  } else {
+    alignas(16) float copy[4] = {};
+    std::memcpy(copy, at, 3 * sizeof(float));
+    corner = hn::Load(four, copy);
+  }
+  return hn::Add(corner, hn::Zero(four));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#endif  // per target

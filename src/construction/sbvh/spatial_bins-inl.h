@@ -1,0 +1,172 @@
+// Spatial splits, the first look: references in bins, and the plane of each axis that promises most.
+// Included once for each instruction set: see subtree.cpp.
+
+#if defined(KERF_CONSTRUCTION_SBVH_SPATIAL_BINS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_CONSTRUCTION_SBVH_SPATIAL_BINS_INL_H
+#undef KERF_CONSTRUCTION_SBVH_SPATIAL_BINS_INL_H
+#else
+#define KERF_CONSTRUCTION_SBVH_SPATIAL_BINS_INL_H
+#endif
+
+#include "construction/sbvh/bins-inl.h"
+#include "construction/sbvh/object_split-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+
+constexpr int spatial_bin_count = 32;
+
+// Chopped binning in two steps. In the first, a reference adds its box to the bin in which it begins and to
+// the one in which it ends; a plane then bounds its left side by all that begins left of it, cut off at the
+// plane, and its right side likewise. That is chopping boxes, and it takes no longer for a reference in many
+// bins than for one in a single bin. In the second, the triangles themselves are chopped, but at the best
+// plane of each axis alone.
+struct SpatialBins {
+  Bins begins, ends;
+};
+
+// How a box finds the bins in which it begins and ends.
+struct SpatialBinner {
+  SimdBox origin, scale;
+  Vec4 last;
+
+  // Writes where it begins on each axis, then where it ends.
+  HWY_INLINE void find(const SimdBox& box, float* places) const {
+    const SimdBox floors = floor_of_scaled(box, origin, scale);
+    // A box that ends on a plane does not reach into the bin behind it: its last bin is the ceiling of its
+    // end less one.
+    const Vec4 first = lower_of(floors);
+    const Vec4 end = hn::Max(hn::Sub(hn::Set(four, -1.0f), negated_upper_of(floors)), first);
+    const Vec4 magic = hn::Set(four, bin_magic);
+    store_bin(sum(merge(from_halves(first, end), from_halves(last, last)), from_halves(magic, magic)),
+              places);
+  }
+};
+
+HWY_INLINE SpatialBinner spatial_binner(const BinMapping& mapping) {
+  const Vec4 origin = hn::Load(four, mapping.origin), scale = hn::Load(four, mapping.scale);
+  return {from_halves(origin, hn::Neg(origin)), from_halves(scale, scale),
+          hn::Set(four, static_cast<float>(spatial_bin_count - 1))};
+}
+
+HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint32_t count,
+                       const BinMapping& mapping) {
+  const SpatialBinner binner = spatial_binner(mapping);
+  clear(bins.begins, spatial_bin_count);
+  clear(bins.ends, spatial_bin_count);
+  alignas(32) float places[binning_lead][8];
+  bin_ahead(
+      count, [&](auto i, auto slot) { binner.find(load_box(references[i]), places[slot]); },
+      [&](auto i, auto slot) {
+        const SimdBox box = counted_once(load_box(references[i]));
+        add(bins.begins, places[slot], box);
+        add(bins.ends, places[slot] + 4, box);
+      });
+}
+
+// Both kinds of bins in one pass. Where spatial splits are possible at all, nearly all nodes come to look at
+// them (19 of 20 references on sponza and a dragon), and neighbours often fall into the same bin, which the
+// second must wait for: there is more to do meanwhile.
+HWY_NOINLINE void fill(Bins& object_bins, const BinMapping& object_mapping, int object_bin_count,
+                       SpatialBins& spatial_bins, const BinMapping& spatial_mapping,
+                       const Reference* references, std::uint32_t count) {
+  const ObjectBinner object = object_binner(object_mapping, object_bin_count);
+  const SpatialBinner spatial = spatial_binner(spatial_mapping);
+  clear(object_bins, object_bin_count);
+  clear(spatial_bins.begins, spatial_bin_count);
+  clear(spatial_bins.ends, spatial_bin_count);
+  alignas(32) float centers[binning_lead][4], places[binning_lead][8];
+  bin_ahead(
+      count,
+      [&](auto i, auto slot) {
+        const SimdBox box = load_box(references[i]);
+        object.find(box, centers[slot]);
+        spatial.find(box, places[slot]);
+      },
+      [&](auto i, auto slot) {
+        const SimdBox box = counted_once(load_box(references[i]));
+        add(object_bins, centers[slot], box);
+        add(spatial_bins.begins, places[slot], box);
+        add(spatial_bins.ends, places[slot] + 4, box);
+      });
+}
+
+HWY_INLINE float plane_at(const Box3f& box, int axis, int number) {
+  const float width = (box.upper[axis] - box.lower[axis]) * (1.0f / static_cast<float>(spatial_bin_count));
+  return box.lower[axis] + static_cast<float>(number) * width;
+}
+
+// The half spaces beside the planes of one axis, as boxes to intersect with.
+struct HalfSpaces {
+  SimdBox first, step;
+
+  // Behind each plane if `side` is 1, before it if -1.
+  HWY_INLINE HalfSpaces(const Box3f& box, int axis, float side) {
+    const auto on_axis = hn::Eq(hn::Iota(four, 0.0f), hn::Set(four, static_cast<float>(axis)));
+    const float width = (box.upper[axis] - box.lower[axis]) * (1.0f / static_cast<float>(spatial_bin_count));
+    const Vec4 nowhere = hn::Set(four, -infinity), still = hn::Zero(four);
+    const Vec4 from = hn::IfThenElse(on_axis, hn::Set(four, side * box.lower[axis]), nowhere);
+    const Vec4 by = hn::IfThenElse(on_axis, hn::Set(four, side * width), still);
+    first = side > 0.0f ? from_halves(from, nowhere) : from_halves(nowhere, from);
+    step = side > 0.0f ? from_halves(by, still) : from_halves(still, by);
+  }
+
+  HWY_INLINE SimdBox at(int number) const { return move(first, step, static_cast<float>(number)); }
+};
+
+// The best plane of each axis with boxes chopped. Only planes that make at most `slack` references more
+// count.
+struct PlaneCandidates {
+  float costs[3];
+  int numbers[3];
+};
+HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3f& box, std::uint32_t count,
+                                             std::uint32_t slack) {
+  const HalfSpaces behind[3] = {{box, 0, 1.0f}, {box, 1, 1.0f}, {box, 2, 1.0f}};
+  const HalfSpaces before[3] = {{box, 0, -1.0f}, {box, 1, -1.0f}, {box, 2, -1.0f}};
+  alignas(16) float right_areas[spatial_bin_count][4];
+  SimdBox x = empty_box(), y = x, z = x;
+  for (int i = spatial_bin_count - 1; i > 0; --i) {
+    x = merge(x, bins.ends.box(0, i));
+    y = merge(y, bins.ends.box(1, i));
+    z = merge(z, bins.ends.box(2, i));
+    const Vec4 areas = half_areas(intersect(x, behind[0].at(i)), intersect(y, behind[1].at(i)),
+                                  intersect(z, behind[2].at(i)));
+    hn::Store(areas, four, right_areas[i]);
+  }
+  x = y = z = empty_box();
+  auto left = hn::Zero(four_ints), right = hn::Set(four_ints, static_cast<std::int32_t>(count));
+  const Vec4 most = hn::Set(four, static_cast<float>(count) + static_cast<float>(slack));
+  Vec4 best_cost = hn::Set(four, infinity), best_number = hn::Zero(four);
+  for (int i = 1; i < spatial_bin_count; ++i) {
+    x = merge(x, bins.begins.box(0, i - 1));
+    y = merge(y, bins.begins.box(1, i - 1));
+    z = merge(z, bins.begins.box(2, i - 1));
+    left = hn::Add(left, bins.begins.counts(i - 1));
+    right = hn::Sub(right, bins.ends.counts(i - 1));
+    const Vec4 left_count = hn::ConvertTo(four, left), right_count = hn::ConvertTo(four, right);
+    const Vec4 left_areas = half_areas(intersect(x, before[0].at(i)), intersect(y, before[1].at(i)),
+                                       intersect(z, before[2].at(i)));
+    const Vec4 cost =
+        hn::Add(hn::Mul(left_areas, left_count), hn::Mul(hn::Load(four, right_areas[i]), right_count));
+    const auto better = hn::And(hn::Lt(cost, best_cost), hn::Le(hn::Add(left_count, right_count), most));
+    best_cost = hn::IfThenElse(better, cost, best_cost);
+    best_number = hn::IfThenElse(better, hn::Set(four, static_cast<float>(i)), best_number);
+  }
+  alignas(16) float costs[4], numbers[4];
+  hn::Store(best_cost, four, costs);
+  hn::Store(best_number, four, numbers);
+  PlaneCandidates candidates;
+  for (int axis = 0; axis < 3; ++axis) {
+    candidates.costs[axis] = costs[axis];
+    candidates.numbers[axis] = static_cast<int>(numbers[axis]);
+  }
+  return candidates;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#endif  // per target

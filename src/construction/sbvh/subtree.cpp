@@ -1,0 +1,239 @@
+#include "construction/sbvh/subtree.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "tree/measures/measures.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "construction/sbvh/subtree.cpp"
+#define HWY_COMPILE_ALL_ATTAINABLE      // the scalar one where every machine has SSE2, too: tests need it
+#define HWY_DISABLED_TARGETS HWY_SSSE3  // such old machines take the scalar one
+#define HWY_BROKEN_EMU128 0  // which has four lanes all the same; tests hold it to the others' trees
+#include <hwy/foreach_target.h>
+
+#include "construction/sbvh/find_splits-inl.h"
+#include "construction/sbvh/object_partition-inl.h"
+#include "construction/sbvh/object_sweep-inl.h"
+#include "construction/sbvh/spatial_partition-inl.h"
+#include "simd/box-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+namespace {
+
+static_assert(triangle_cost == 1.0, "costs of splits count triangles");
+
+// Whether a leaf costs no more than an inner node with children of that cost.
+bool leaf_is_cheapest(const BuildContext& context, std::uint32_t count, float area, float children_cost) {
+  return count <= context.max_leaf_size &&
+         area * static_cast<float>(count) <= static_cast<float>(inner_node_cost) * area + children_cost;
+}
+
+// Near the greatest depth, nodes are halved whatever it costs: see max_tree_depth.
+bool must_halve(std::uint32_t count, std::uint32_t depth) {
+  return depth + static_cast<std::uint32_t>(std::bit_width(count)) >= max_tree_depth;
+}
+
+// Boxes of the references of a child, where the split itself did not find them.
+void measure(const Reference* arena, NodeInput& node) {
+  SimdBox box = empty_box(), centroids = box;
+  for (std::uint32_t i = node.range.begin; i < node.range.end; ++i) {
+    const SimdBox reference = load_box(arena[i]);
+    box = merge(box, reference);
+    centroids = merge(centroids, centroid_box(reference));
+  }
+  node.box = to_box3f(box);
+  node.doubled_centroids = to_box3f(centroids);
+}
+
+void halve(const BuildContext& context, const NodeInput& node, NodeInput& left, NodeInput& right) {
+  const std::uint32_t left_count = node.range.count() / 2;
+  const RangePair ranges = hand_down(context.arena, node.range, left_count, node.range.count() - left_count);
+  left = {ranges.left, node.depth + 1, {}, {}};
+  right = {ranges.right, node.depth + 1, {}, {}};
+  measure(context.arena, left);
+  measure(context.arena, right);
+}
+
+HWY_NOINLINE bool split(const BuildContext& context, const NodeInput& node, NodeInput& left,
+                        NodeInput& right) {
+  Reference* const references = context.arena + node.range.begin;
+  const std::uint32_t count = node.range.count();
+  const float area = half_area(node.box);
+  if (node.doubled_centroids.lower == node.doubled_centroids.upper || must_halve(count, node.depth)) {
+    if (count <= context.max_leaf_size) return false;
+    halve(context, node, left, right);
+    return true;
+  }
+
+  const Splits splits = find_splits(context, node);
+  const ObjectSplit& object_split = splits.object;
+  const SpatialSplit& spatial_split = splits.spatial;
+  if (leaf_is_cheapest(context, count, area, HWY_MIN(object_split.cost, spatial_split.cost))) return false;
+
+  if (spatial_split.cost < object_split.cost) {
+    const SpatialPartition parts = partition(*context.geometry, references, count, spatial_split);
+    if (parts.left_count != 0 && parts.right_count != 0) {
+      const RangePair ranges = hand_down(context.arena, node.range, parts.left_count, parts.right_count);
+      left = {ranges.left, node.depth + 1, to_box3f(parts.boxes.left), to_box3f(parts.centroids.left)};
+      right = {ranges.right, node.depth + 1, to_box3f(parts.boxes.right), to_box3f(parts.centroids.right)};
+      return true;
+    }
+  }
+  if (!object_split.found()) {
+    if (count <= context.max_leaf_size) return false;
+    halve(context, node, left, right);
+    return true;
+  }
+  const Partition parts = partition(references, count, object_split);
+  const RangePair ranges = hand_down(context.arena, node.range, parts.left_count, count - parts.left_count);
+  left = {ranges.left, node.depth + 1, to_box3f(parts.boxes.left), to_box3f(parts.centroids.left)};
+  right = {ranges.right, node.depth + 1, to_box3f(parts.boxes.right), to_box3f(parts.centroids.right)};
+  return true;
+}
+
+class SubtreeBuilder {
+ public:
+  SubtreeBuilder(const BuildContext& context, BinaryNode* nodes, std::uint32_t* references)
+      : context_(context), nodes_(nodes), references_(references) {}
+
+  SubtreeSize build(const NodeInput& node) {
+    build_node(0, node);
+    return {node_count_, reference_count_};
+  }
+
+ private:
+  void build_node(std::uint32_t slot, const NodeInput& node) {
+    Reference* const references = context_.arena + node.range.begin;
+    if (node.range.count() < context_.spatial_minimum && node.range.count() <= sweep_limit) {
+      return build_small(slot, references, node.range.count(), node.depth, to_simd_box(node.box));
+    }
+    nodes_[slot].bounds = node.box;
+    NodeInput left, right;
+    if (!split(context_, node, left, right)) return make_leaf(slot, references, node.range.count());
+    const std::uint32_t child = make_inner(slot);
+    build_node(child, left);
+    build_node(child + 1, right);
+  }
+
+  // Object splits alone, and few enough references to try all: most nodes of a tree are built here.
+  void build_small(std::uint32_t slot, Reference* references, std::uint32_t count, std::uint32_t depth,
+                   const SimdBox& box) {
+    nodes_[slot].bounds = to_box3f(box);
+    if (count == 1) return make_leaf(slot, references, count);
+    ChildBoxes children{empty_box(), empty_box()};
+    std::uint32_t left_count = count / 2;
+    if (count == 2) {  // there is one way to split these
+      children = {load_box(references[0]), load_box(references[1])};
+      const float cost = half_area_of(children.left) + half_area_of(children.right);
+      if (leaf_is_cheapest(context_, count, half_area_of(box), cost))
+        return make_leaf(slot, references, count);
+    } else {
+      ObjectSplit split;
+      if (!must_halve(count, depth)) split = sweep(references, count);
+      if (leaf_is_cheapest(context_, count, half_area_of(box), split.cost))
+        return make_leaf(slot, references, count);
+      if (split.found()) {
+        left_count = partition_few(references, count, split, children);
+      } else {
+        for (std::uint32_t i = 0; i < count; ++i) {
+          SimdBox& side = i < left_count ? children.left : children.right;
+          side = merge(side, load_box(references[i]));
+        }
+      }
+    }
+    const std::uint32_t child = make_inner(slot);
+    build_small(child, references, left_count, depth + 1, children.left);
+    build_small(child + 1, references + left_count, count - left_count, depth + 1, children.right);
+  }
+
+  std::uint32_t make_inner(std::uint32_t slot) {
+    nodes_[slot].first = node_count_;
+    nodes_[slot].count = 0;
+    node_count_ += 2;
+    return nodes_[slot].first;
+  }
+
+  void make_leaf(std::uint32_t slot, const Reference* references, std::uint32_t count) {
+    nodes_[slot].first = reference_count_;
+    nodes_[slot].count = count;
+    for (std::uint32_t i = 0; i < count; ++i) references_[reference_count_++] = references[i].primitive;
+  }
+
+  const BuildContext& context_;
+  BinaryNode* nodes_;
+  std::uint32_t* references_;
+  std::uint32_t node_count_ = 1, reference_count_ = 0;
+};
+
+bool SplitNode(const BuildContext& context, const NodeInput& node, NodeInput& left, NodeInput& right) {
+  return split(context, node, left, right);
+}
+
+SubtreeSize BuildSubtree(const BuildContext& context, const NodeInput& node, BinaryNode* nodes,
+                         std::uint32_t* references) {
+  return SubtreeBuilder(context, nodes, references).build(node);
+}
+
+void ChopReference(const Geometry& geometry, const Reference& reference, int axis, float plane, Box3f& left,
+                   Box3f& right) {
+  const ChildBoxes parts = chop(geometry, reference, axis, plane);
+  left = to_box3f(parts.left);
+  right = to_box3f(parts.right);
+}
+
+SplitCosts BinNode(const BuildContext& context, const NodeInput& node) {
+  const Splits splits = find_splits(context, node);
+  return {splits.object.cost, splits.spatial.cost};
+}
+
+std::uint32_t PartitionReferences(Reference* references, std::uint32_t count, int axis, float position) {
+  ObjectSplit split{};
+  split.axis = axis;
+  split.scale = 1.0f;
+  split.threshold = position;
+  return partition(references, count, split).left_count;
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf {
+
+HWY_EXPORT(SplitNode);
+HWY_EXPORT(BuildSubtree);
+HWY_EXPORT(ChopReference);
+HWY_EXPORT(BinNode);
+HWY_EXPORT(PartitionReferences);
+
+bool split_node(const BuildContext& context, const NodeInput& node, NodeInput& left, NodeInput& right) {
+  return HWY_DYNAMIC_DISPATCH(SplitNode)(context, node, left, right);
+}
+
+SubtreeSize build_subtree(const BuildContext& context, const NodeInput& node, BinaryNode* nodes,
+                          std::uint32_t* references) {
+  return HWY_DYNAMIC_DISPATCH(BuildSubtree)(context, node, nodes, references);
+}
+
+void chop_reference(const Geometry& geometry, const Reference& reference, int axis, float plane, Box3f& left,
+                    Box3f& right) {
+  HWY_DYNAMIC_DISPATCH(ChopReference)(geometry, reference, axis, plane, left, right);
+}
+
+SplitCosts bin_node(const BuildContext& context, const NodeInput& node) {
+  return HWY_DYNAMIC_DISPATCH(BinNode)(context, node);
+}
+
+std::uint32_t partition_references(Reference* references, std::uint32_t count, int axis, float position) {
+  return HWY_DYNAMIC_DISPATCH(PartitionReferences)(references, count, axis, position);
+}
+
+}  // namespace kerf
+#endif

@@ -1,0 +1,59 @@
+// The part of a build that runs on one thread, compiled once for every instruction set.
+#pragma once
+
+#include <cstdint>
+
+#include "construction/sbvh/arena.hpp"
+#include "tree/binary_tree.hpp"
+#include "tree/geometry.hpp"
+
+namespace kerf {
+
+/// What all nodes of a build share.
+struct BuildContext {
+  const Geometry* geometry = nullptr;  ///< null: object splits only
+  Reference* arena = nullptr;
+  std::uint32_t max_leaf_size = 8;
+  float absolute_overlap = 0.0f;      ///< alpha times the root's half area: less is not worth a spatial split
+  float relative_overlap = 0.0f;      ///< the same, as a part of the node's own half area
+  std::uint32_t spatial_minimum = 2;  ///< nodes of fewer references are not worth one either
+};
+
+/// A node to be split.
+struct NodeInput {
+  Range range;
+  std::uint32_t depth = 0;
+  Box3f box;
+  Box3f doubled_centroids;  ///< bounds of lower plus upper corner of each reference
+};
+
+/// Splits a node in place, and says what its children are; false if it is to be a leaf.
+bool split_node(const BuildContext& context, const NodeInput& node, NodeInput& left, NodeInput& right);
+
+struct SubtreeSize {
+  std::uint32_t nodes, references;
+};
+
+/// Builds everything under `node`, itself included, and numbers nodes and references from 0. There must be
+/// room for two nodes and one reference for each place of the node's range.
+SubtreeSize build_subtree(const BuildContext& context, const NodeInput& node, BinaryNode* nodes,
+                          std::uint32_t* references);
+
+// The steps of a split on their own, for tests and measurements:
+
+/// Both children of a reference that is chopped, as `chop` in math/clip.hpp.
+void chop_reference(const Geometry& geometry, const Reference& reference, int axis, float plane, Box3f& left,
+                    Box3f& right);
+
+/// What the cheapest splits of a node cost, half area times references summed over the children; infinite
+/// where there is none, or where the spatial one is no cheaper.
+struct SplitCosts {
+  float object, spatial;
+};
+SplitCosts bin_node(const BuildContext& context, const NodeInput& node);
+
+/// Brings the references whose doubled centroids lie below `position` to the front; returns how many they
+/// are.
+std::uint32_t partition_references(Reference* references, std::uint32_t count, int axis, float position);
+
+}  // namespace kerf

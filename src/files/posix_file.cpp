@@ -1,0 +1,177 @@
+#include "files/posix_file.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <random>
+#include <string>
+
+#include <fcntl.h>
+#include <kerf/error.hpp>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/parallel.hpp"
+
+namespace kerf {
+namespace {
+
+// One call moves at most this much: the system's own limit is 2^31 - 4096.
+constexpr std::size_t most_at_once = std::size_t{1} << 30;
+
+// Threads that read a file together take about this much each, some tenths of a millisecond.
+constexpr std::size_t part_bytes = std::size_t{1} << 22;
+
+[[noreturn]] void fail(const std::filesystem::path& path, const char* what, int error) {
+  char sentence[512];
+  std::snprintf(sentence, sizeof sentence, "%s: %s: %s", path.c_str(), what, std::strerror(error));
+  throw Error(Error::io, sentence);
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const char* what) {
+  char sentence[512];
+  std::snprintf(sentence, sizeof sentence, "%s: %s", path.c_str(), what);
+  throw Error(Error::io, sentence);
+}
+
+// The system would take the path to end at a zero byte and open another file.
+void check_path(const std::filesystem::path& path) {
+  if (path.native().find('\0') != std::string::npos) refuse(path, "has a zero byte in its name");
+}
+
+// The file that `path` means: what stands at the end of a chain of symbolic links, or could.
+std::filesystem::path follow_links(std::filesystem::path path) {
+  constexpr int most_links = 40;  // as many as the system follows
+  std::error_code error;
+  for (int links = 0; std::filesystem::is_symlink(path, error); ++links) {
+    if (links == most_links) fail(path, "cannot be written", ELOOP);
+    path = path.parent_path() / std::filesystem::read_symlink(path, error);
+    if (error) fail(path, "cannot be written", error.value());
+  }
+  return path;
+}
+
+// The new file until it has its name; removed if that does not come to pass. Devices, pipes and directories
+// are not replaced. Who may read and write an old file may do so with the new one.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::filesystem::path& final_path) : final_path_(final_path) {
+    struct stat old {};
+    const bool replaces = ::stat(final_path.c_str(), &old) == 0;
+    if (replaces && !S_ISREG(old.st_mode)) refuse(final_path, "is not a file that can be replaced");
+    const mode_t mode = replaces ? old.st_mode & 0777 : 0666;
+    // With a number of up to ten digits it fits into the 255 bytes that a name may have.
+    constexpr std::size_t longest_name = 240;
+    const std::string name = final_path.filename().string().substr(0, longest_name);
+    std::random_device random;
+    do {
+      path_ = (final_path.parent_path() / (name + "." + std::to_string(random()) + ".tmp")).string();
+      descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    } while (descriptor_ < 0 && errno == EEXIST);
+    if (descriptor_ < 0) fail(final_path, "cannot be written", errno);
+    if (replaces) (void)::fchmod(descriptor_, mode);  // what file systems without permissions refuse
+  }
+  ~TemporaryFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!renamed_) ::unlink(path_.c_str());
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  void write(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::write(descriptor_, bytes.data(), std::min(bytes.size(), most_at_once));
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) fail(final_path_, "cannot be written", errno);
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
+  }
+
+  void finish() {
+    if (::fsync(descriptor_) != 0) fail(final_path_, "cannot be written to the disk", errno);
+    const int closed = ::close(descriptor_);
+    descriptor_ = -1;
+    if (closed != 0) fail(final_path_, "cannot be written to the disk", errno);
+    if (::rename(path_.c_str(), final_path_.c_str()) != 0) fail(final_path_, "cannot be replaced", errno);
+    renamed_ = true;
+  }
+
+ private:
+  const std::filesystem::path& final_path_;
+  std::string path_;
+  int descriptor_ = -1;
+  bool renamed_ = false;
+};
+
+// The new name is on the disk once its directory is. Some file systems cannot do that for a directory, and
+// say so with EINVAL: they have no need to.
+void sync_directory(const std::filesystem::path& path) {
+  const std::filesystem::path directory =
+      path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  const int descriptor = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) fail(path, "its directory cannot be opened", errno);
+  const bool synced = ::fsync(descriptor) == 0 || errno == EINVAL;
+  const int error = errno;
+  ::close(descriptor);
+  if (!synced) fail(path, "its directory cannot be written to the disk", error);
+}
+
+}  // namespace
+
+InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
+  check_path(path);
+  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor_ < 0) fail(path, "cannot be opened", errno);
+  struct stat status {};
+  const bool known = ::fstat(descriptor_, &status) == 0;
+  if (!known || !S_ISREG(status.st_mode)) {
+    const int error = known ? EISDIR : errno;
+    ::close(descriptor_);
+    if (known && !S_ISDIR(status.st_mode)) refuse(path, "is not a file that can be read");
+    fail(path, "cannot be read as a file", error);
+  }
+  size_ = static_cast<std::uint64_t>(status.st_size);
+}
+
+InputFile::~InputFile() {
+  ::close(descriptor_);
+}
+
+void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const {
+  if (bytes.size() <= part_bytes) return read_part(bytes, offset);
+  parallel_for_ranges(std::size_t{0}, bytes.size(), part_bytes, [&](const auto& range) {
+    read_part(bytes.subspan(range.begin(), range.size()), offset + range.begin());
+  });
+}
+
+void InputFile::read_part(std::span<std::byte> bytes, std::uint64_t offset) const {
+  while (!bytes.empty()) {
+    const ssize_t count =
+        ::pread(descriptor_, bytes.data(), std::min(bytes.size(), most_at_once), static_cast<off_t>(offset));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail(path_, "cannot be read", errno);
+    if (count == 0) fail(path_, "became shorter while it was read", EIO);
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+    offset += static_cast<std::uint64_t>(count);
+  }
+}
+
+std::shared_ptr<const std::byte> InputFile::map() const {
+  void* memory = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor_, 0);
+  if (memory == MAP_FAILED) fail(path_, "cannot be mapped", errno);
+  return {static_cast<const std::byte*>(memory),
+          [bytes = size_](const std::byte* mapped) { ::munmap(const_cast<std::byte*>(mapped), bytes); }};
+}
+
+void replace_file(const std::filesystem::path& path, std::span<const std::span<const std::byte>> parts) {
+  check_path(path);
+  const std::filesystem::path target = follow_links(path);
+  TemporaryFile file(target);
+  for (const auto& part : parts) file.write(part);
+  file.finish();
+  sync_directory(target);
+}
+
+}  // namespace kerf

@@ -1,0 +1,244 @@
+#include "layout/collapse.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "base/parallel.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "layout/collapse.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef KERF_REFINE_COLLAPSE_DISTRIBUTION
+#define KERF_REFINE_COLLAPSE_DISTRIBUTION
+namespace kerf {
+namespace {
+
+constexpr std::uint32_t slots = Collapse::slots;
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+// D(n, i) and the k that gives it, the lowest of several, for all i = 1 .. 16 at once and k up to `most`:
+// element i - 1 takes C(left, k) + C(right, i - k). D(n, 1) is infinite.
+struct Distribution {
+  alignas(64) float cost[slots];
+  alignas(64) std::int32_t left_share[slots];
+};
+
+}  // namespace
+}  // namespace kerf
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+namespace {
+
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+// Lane i - 1 of the k-th takes lane i - k - 1, or, where there is none, the last, which is made infinite.
+struct Lanes {
+  alignas(64) std::int32_t of[slots - 1][slots];
+};
+constexpr Lanes lanes = [] {
+  Lanes table{};
+  for (std::int32_t k = 1; k < std::int32_t{slots}; ++k) {
+    for (std::int32_t lane = 0; lane < std::int32_t{slots}; ++lane)
+      table.of[k - 1][lane] = lane < k ? std::int32_t{slots} - 1 : lane - k;
+  }
+  return table;
+}();
+
+void Distribute(const float* left, std::int32_t most, const float* right, Distribution& to) {
+  namespace hn = hwy::HWY_NAMESPACE;
+  constexpr hn::FixedTag<float, slots> floats;
+  constexpr hn::FixedTag<std::int32_t, slots> ints;
+  const auto none = hn::Set(floats, infinity);
+  const auto costs = hn::IfThenElse(hn::FirstN(floats, slots - 1), hn::LoadU(floats, right), none);
+  auto least = none;
+  auto share = hn::Set(ints, 1);
+  for (std::int32_t k = 1; k <= most; ++k) {
+    const auto shifted = hn::TableLookupLanes(costs, hn::SetTableIndices(floats, lanes.of[k - 1]));
+    const auto sum = hn::Add(hn::Set(floats, left[k - 1]), shifted);
+    const auto better = hn::Lt(sum, least);
+    least = hn::IfThenElse(better, sum, least);
+    share = hn::IfThenElse(hn::RebindMask(ints, better), hn::Set(ints, k), share);
+  }
+  hn::Store(least, floats, to.cost);
+  hn::Store(share, ints, to.left_share);
+}
+#else
+void Distribute(const float* left, std::int32_t most, const float* right, Distribution& to) {
+  float shifted[2 * slots];  // from slots - k on, it begins with k that are infinite
+  std::fill_n(shifted, slots, infinity);
+  std::copy_n(right, slots, shifted + slots);
+  std::fill_n(to.cost, slots, infinity);
+  std::fill_n(to.left_share, slots, 1);
+  for (std::int32_t k = 1; k <= most; ++k) {
+    for (std::uint32_t i = 0; i < slots; ++i) {
+      const float sum = left[k - 1] + shifted[slots - static_cast<std::uint32_t>(k) + i];
+      const bool better = sum < to.cost[i];
+      to.cost[i] = better ? sum : to.cost[i];
+      to.left_share[i] = better ? k : to.left_share[i];
+    }
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf {
+namespace {
+
+HWY_EXPORT(Distribute);
+
+constexpr std::uint32_t max_leaf_references = 8;
+
+// Both halves of a subtree with more nodes than this are solved at once.
+constexpr std::uint32_t task_nodes = 4096;
+
+// The same where one subtree is a leaf, which costs no less with more slots: it takes one, the other the
+// rest.
+void distribute_beside_leaf(float leaf, const float* other, bool leaf_is_left, Distribution& to) {
+  to.cost[0] = infinity;
+  for (std::uint32_t i = 2; i <= slots; ++i) {
+    to.cost[i - 1] = leaf + other[i - 2];
+    to.left_share[i - 1] = leaf_is_left ? 1 : static_cast<std::int32_t>(i) - 1;
+  }
+}
+
+// Where the k of D(n, i) stands in a node's word, and which bits it has.
+constexpr std::uint32_t share_shift(std::uint32_t i) {
+  std::uint32_t shift = 0;
+  for (std::uint32_t below = 2; below < i; ++below)
+    shift += static_cast<std::uint32_t>(std::bit_width(below - 1));
+  return shift;
+}
+struct Shares {
+  std::uint32_t shift[slots + 1], mask[slots + 1];
+};
+constexpr Shares shares = [] {
+  Shares table{};
+  for (std::uint32_t i = 2; i <= slots; ++i) {
+    table.shift[i] = share_shift(i);
+    table.mask[i] = (1u << std::bit_width(i - 1)) - 1;
+  }
+  return table;
+}();
+static_assert(share_shift(slots + 1) == 49);
+
+std::uint64_t share_bits(std::uint32_t i, std::int32_t share) {
+  return static_cast<std::uint64_t>(share) << shares.shift[i];
+}
+
+}  // namespace
+
+// C(n, i) for i = 1 .. 15, and what a parent needs to know beside.
+struct Collapse::Costs {
+  float of[slots];  // the last is not used
+  std::uint32_t references;
+  std::uint32_t leaves;  // of the binary tree: more slots are of no use
+};
+
+Collapse::Collapse(const BinaryTree& tree, const CollapseCosts& costs)
+    : tree_(&tree), costs_(costs), decisions_(tree.nodes.size()) {
+  if (tree.empty()) return;
+  Costs root;
+  solve(0, static_cast<std::uint32_t>(tree.nodes.size()), root);
+}
+
+std::uint64_t Collapse::size_bits(std::uint32_t references) {
+  return static_cast<std::uint64_t>(std::bit_width(references)) << size_shift |
+         std::uint64_t{std::min(references, max_leaf_references + 1)} << few_shift;
+}
+
+// Builders number what is below a left child first, then what is below the right one, up to `end`. That only
+// says how much there is to do.
+void Collapse::solve(std::uint32_t node, std::uint32_t end, Costs& costs) {
+  const BinaryNode& binary = tree_->nodes[node];
+  if (binary.is_leaf()) return solve_leaf(node, costs);
+  const BinaryNode& right_node = tree_->nodes[binary.right()];
+  const std::uint32_t middle = right_node.is_leaf() ? end : right_node.first;
+  Costs left, right;
+  if (end > binary.first + task_nodes) {
+    parallel_invoke([&] { solve(binary.left(), middle, left); }, [&] { solve(binary.right(), end, right); });
+  } else {
+    solve(binary.left(), middle, left);
+    solve(binary.right(), end, right);
+  }
+  combine(node, left, right, costs);
+}
+
+void Collapse::solve_leaf(std::uint32_t node, Costs& costs) {
+  const BinaryNode& binary = tree_->nodes[node];
+  const float cost =
+      half_area(binary.bounds) * (costs_.leaf + costs_.triangle * static_cast<float>(binary.count));
+  std::fill_n(costs.of, slots, cost);
+  costs.references = binary.count;
+  costs.leaves = 1;
+  decisions_[node] = leaf_bit | size_bits(binary.count);
+}
+
+// Written so that areas beyond the range of a float, all of whose sums are infinite, still give a valid tree.
+void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right, Costs& costs) {
+  Distribution best;
+  if (left.leaves == 1) {
+    distribute_beside_leaf(left.of[0], right.of, true, best);
+  } else if (right.leaves == 1) {
+    distribute_beside_leaf(right.of[0], left.of, false, best);
+  } else {
+    const auto most = static_cast<std::int32_t>(std::min(slots - 1, left.leaves));
+    HWY_DYNAMIC_DISPATCH(Distribute)(left.of, most, right.of, best);
+  }
+  const float area = half_area(tree_->nodes[node].bounds);
+  costs.references = left.references + right.references;
+  costs.leaves = left.leaves + right.leaves;
+  std::uint64_t decision = size_bits(costs.references);
+  float least = area + best.cost[slots - 1];
+  if (costs.references <= max_leaf_references) {
+    const float leaf = area * (costs_.leaf + costs_.triangle * static_cast<float>(costs.references));
+    if (leaf <= least) {
+      least = leaf;
+      decision |= leaf_bit;
+    }
+  }
+  costs.of[0] = least;
+  const std::uint32_t most = std::min(slots - 1, costs.leaves);
+  for (std::uint32_t i = 2; i <= most; ++i) {
+    const bool divides = best.cost[i - 1] < least;
+    least = divides ? best.cost[i - 1] : least;
+    costs.of[i - 1] = least;
+    decision |= share_bits(i, divides ? best.left_share[i - 1] : 0);
+  }
+  std::fill(costs.of + most, costs.of + slots, least);
+  decision |= share_bits(slots, best.left_share[slots - 1]);
+  decisions_[node] = decision;
+}
+
+void Collapse::expand(std::uint32_t node, std::uint32_t i, Children& children) const {
+  while (i > 1) {  // a node with one slot need not be looked at
+    const auto left_share = static_cast<std::uint32_t>(decisions_[node] >> shares.shift[i]) & shares.mask[i];
+    if (left_share == 0) {
+      --i;
+      continue;
+    }
+    const std::uint32_t left = tree_->nodes[node].left();
+    expand(left, left_share, children);
+    node = left + 1;
+    i -= left_share;
+  }
+  children.node[children.count++] = node;
+}
+
+Collapse::Children Collapse::children(std::uint32_t node) const {
+  Children children;
+  expand(node, slots, children);
+  return children;
+}
+
+}  // namespace kerf
+#endif

@@ -1,0 +1,25 @@
+// From a binary tree to the structure that rays are traced through.
+#pragma once
+
+#include <cstddef>
+
+#include "layout/wide_bvh.hpp"
+#include "tree/binary_tree.hpp"
+#include "tree/geometry.hpp"
+
+namespace kerf {
+
+struct LaidOut {
+  WideBvh wide;
+  std::size_t peak_bytes = 0;  ///< the most that was held meanwhile, `wide` included
+};
+
+/// Collapses `tree` and lays the result out, on all threads of the task arena that this is called in. A
+/// triangle that stands twice below one wide leaf is stored once. Throws `Error::too_large` for more
+/// references than a `ChildLink` can number, and `std::bad_alloc`.
+LaidOut make_wide_bvh(const Geometry& geometry, const BinaryTree& tree);
+
+/// No tree of so many references has a larger `peak_bytes`.
+std::size_t layout_memory_bound(std::size_t references);
+
+}  // namespace kerf

@@ -1,0 +1,167 @@
+#include "layout/wide_children.hpp"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "layout/wide_children.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef KERF_KERNEL_WIDE_CHILDREN
+#define KERF_KERNEL_WIDE_CHILDREN
+namespace kerf {
+namespace {
+
+constexpr std::uint32_t slots = wide_node_children;
+constexpr std::uint32_t octants = 8;
+
+}  // namespace
+}  // namespace kerf
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+namespace {
+
+// A slot's place in an octant's order is the number of those before it. Centers are a quarter of what they
+// might be: the sum of three stays finite, and orders stay orders.
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+namespace hn = hwy::HWY_NAMESPACE;
+using Eight = hn::FixedTag<float, 8>;
+using EightInts = hn::FixedTag<std::int32_t, 8>;
+using Row = hn::Vec<Eight>;
+constexpr Eight eight;
+constexpr EightInts ints;
+
+// Of eight children; rows 0 to 5 are the coordinates of the lower and the upper corners, a slot a lane.
+HWY_INLINE void transpose(const BinaryNode* const* children, Row* rows) {
+  Row in[8], pairs[8], fours[8];
+  for (int i = 0; i < 8; ++i) in[i] = hn::LoadU(eight, &children[i]->bounds.lower.x);
+  for (int i = 0; i < 8; i += 2) {
+    pairs[i] = hn::InterleaveLower(eight, in[i], in[i + 1]);
+    pairs[i + 1] = hn::InterleaveUpper(eight, in[i], in[i + 1]);
+  }
+  constexpr hn::Repartition<double, Eight> doubles;
+  const auto lower = [&](Row a, Row b) {
+    return hn::BitCast(eight, hn::InterleaveLower(doubles, hn::BitCast(doubles, a), hn::BitCast(doubles, b)));
+  };
+  const auto upper = [&](Row a, Row b) {
+    return hn::BitCast(eight, hn::InterleaveUpper(doubles, hn::BitCast(doubles, a), hn::BitCast(doubles, b)));
+  };
+  for (int i = 0; i < 8; i += 4) {
+    fours[i] = lower(pairs[i], pairs[i + 2]);
+    fours[i + 1] = upper(pairs[i], pairs[i + 2]);
+    fours[i + 2] = lower(pairs[i + 1], pairs[i + 3]);
+    fours[i + 3] = upper(pairs[i + 1], pairs[i + 3]);
+  }
+  for (int i = 0; i < 4; ++i) rows[i] = hn::ConcatLowerLower(eight, fours[i + 4], fours[i]);
+  for (int i = 0; i < 2; ++i) rows[i + 4] = hn::ConcatUpperUpper(eight, fours[i + 4], fours[i]);
+}
+
+// Octants are lanes here.
+void WriteChildren(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
+  alignas(32) float centers[3][slots];
+  for (std::uint32_t first = 0; first < slots; first += 8) {
+    Row rows[6];
+    transpose(children + first, rows);
+    for (int axis = 0; axis < 3; ++axis) {
+      hn::Store(rows[axis], eight, node.planes[axis][0] + first);
+      hn::Store(rows[axis + 3], eight, node.planes[axis][1] + first);
+      const Row quarter = hn::Set(eight, 0.25f);
+      hn::Store(hn::Add(hn::Mul(rows[axis], quarter), hn::Mul(rows[axis + 3], quarter)), eight,
+                centers[axis] + first);
+    }
+  }
+  const auto octant = hn::Iota(ints, 0);
+  const auto sign = [&](auto bit) { return hn::BitCast(eight, hn::ShiftLeft<31>(bit)); };
+  const Row sign_x = sign(octant), sign_y = sign(hn::ShiftRight<1>(octant)),
+            sign_z = sign(hn::ShiftRight<2>(octant));
+  Row distances[slots];
+  hn::Vec<EightInts> places[slots];
+  const auto one = hn::Set(ints, 1);
+  for (std::uint32_t high = 0; high < count; ++high) {
+    distances[high] = hn::Add(hn::Add(hn::Xor(hn::Set(eight, centers[0][high]), sign_x),
+                                      hn::Xor(hn::Set(eight, centers[1][high]), sign_y)),
+                              hn::Xor(hn::Set(eight, centers[2][high]), sign_z));
+    auto place = hn::Set(ints, static_cast<std::int32_t>(high));
+    for (std::uint32_t low = 0; low < high; ++low) {
+      const auto high_first = hn::RebindMask(ints, hn::Lt(distances[high], distances[low]));
+      const auto step = hn::IfThenElseZero(high_first, one);
+      places[low] = hn::Add(places[low], step);
+      place = hn::Sub(place, step);
+    }
+    places[high] = place;
+  }
+  // The nearest eight are in the lower half of an order.
+  auto nearer = hn::Zero(ints), farther = hn::Zero(ints);
+  for (std::uint32_t slot = 0; slot < slots; ++slot) {
+    const auto number = hn::Set(ints, static_cast<std::int32_t>(slot));
+    const auto place = slot < count ? places[slot] : number;
+    const auto in_half = hn::And(place, hn::Set(ints, 7));
+    const auto nibble = hn::Shl(number, hn::ShiftLeft<2>(in_half));
+    const auto is_near = hn::Eq(in_half, place);
+    nearer = hn::Or(nearer, hn::IfThenElseZero(is_near, nibble));
+    farther = hn::Or(farther, hn::IfThenZeroElse(is_near, nibble));
+  }
+  alignas(32) std::uint32_t halves[2][octants];
+  hn::Store(nearer, ints, reinterpret_cast<std::int32_t*>(halves[0]));
+  hn::Store(farther, ints, reinterpret_cast<std::int32_t*>(halves[1]));
+  for (std::uint32_t octant = 0; octant < octants; ++octant)
+    node.order[octant] = std::uint64_t{halves[1][octant]} << 32 | halves[0][octant];
+}
+#else
+void WriteChildren(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
+  float distances[slots][octants];
+  for (std::uint32_t slot = 0; slot < slots; ++slot) {
+    const Box3f& box = children[slot]->bounds;
+    for (int axis = 0; axis < 3; ++axis) {
+      node.planes[axis][0][slot] = box.lower[axis];
+      node.planes[axis][1][slot] = box.upper[axis];
+    }
+    if (slot >= count) continue;
+    const Vec3f center = box.lower * 0.25f + box.upper * 0.25f;
+    for (std::uint32_t octant = 0; octant < octants; ++octant) {
+      distances[slot][octant] = (octant & 1 ? -center.x : center.x) + (octant & 2 ? -center.y : center.y) +
+                                (octant & 4 ? -center.z : center.z);
+    }
+  }
+  std::uint32_t places[slots][octants];
+  for (std::uint32_t slot = 0; slot < slots; ++slot)
+    std::fill_n(places[slot], octants, slot < count ? 0u : slot);
+  for (std::uint32_t high = 1; high < count; ++high) {
+    for (std::uint32_t low = 0; low < high; ++low) {
+      for (std::uint32_t octant = 0; octant < octants; ++octant) {
+        const std::uint32_t high_first = distances[high][octant] < distances[low][octant] ? 1 : 0;
+        places[low][octant] += high_first;
+        places[high][octant] += 1 - high_first;
+      }
+    }
+  }
+  for (std::uint32_t octant = 0; octant < octants; ++octant) {
+    node.order[octant] = 0;
+    for (std::uint32_t slot = 0; slot < slots; ++slot)
+      node.order[octant] |= std::uint64_t{slot} << (4 * places[slot][octant]);
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf {
+
+HWY_EXPORT(WriteChildren);
+
+void write_children(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
+  static constexpr BinaryNode unused;
+  const BinaryNode* in_slots[slots];
+  std::fill(std::copy_n(children, count, in_slots), in_slots + slots, &unused);
+  HWY_DYNAMIC_DISPATCH(WriteChildren)(in_slots, count, node);
+}
+
+}  // namespace kerf
+#endif

@@ -1,0 +1,99 @@
+// Every crossing of a ray, in order, from one traversal.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <limits>
+#include <memory_resource>
+#include <vector>
+
+#include <kerf/ray.hpp>
+
+#include "base/out_of_memory.hpp"
+#include "math/vec3f.hpp"
+#include "queries/line_crossing.hpp"
+#include "structure.hpp"
+#include "traversal/dispatch.hpp"
+
+namespace kerf {
+
+/// Calls `visit(id, hit)` for each triangle that the ray crosses in `[t_min, t_max]`, once, in the order of
+/// (t, id), until `visit` returns false. `hit` has t, u and v. Throws `Error::out_of_memory`, and what
+/// `visit` throws as it is.
+///
+/// Nodes and crossings wait in one queue, nearest first; a crossing is visited when no node that is left to
+/// open can hold an earlier one. A triangle with references in several leaves is found in each that the ray
+/// meets, always at the same t: when it has been visited already, its place in the order is not behind that
+/// of the last one visited.
+template <class Visit>
+void for_each_crossing(const Bvh::Structure& structure, Ray ray, Visit&& visit) {
+  struct Item {
+    float t;
+    std::uint32_t order;  // 0: a node; else 1 + the triangle's number, so that at one t nodes come first
+    ChildLink link;
+    float u, v;
+  };
+  const auto later = [](const Item& a, const Item& b) { return a.t != b.t ? a.t > b.t : a.order > b.order; };
+
+  ray.t_min = std::max(ray.t_min, 0.0f);
+  const bool valid =
+      is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3f{} && ray.t_min <= ray.t_max;
+  const WideBvh& bvh = structure.wide;
+  if (bvh.empty() || !valid) return;
+
+  // Enough for most rays without the heap: a few levels of waiting nodes.
+  std::array<std::byte, 8192> stack;
+  std::pmr::monotonic_buffer_resource memory(stack.data(), stack.size());
+  std::pmr::vector<Item> queue(&memory);
+  queue.reserve(stack.size() / sizeof(Item) - 1);
+  const auto push = [&](const Item& item) {
+    report_out_of_memory([&] { queue.push_back(item); });
+    std::push_heap(queue.begin(), queue.end(), later);
+  };
+
+  const auto rounded = [](double t) {
+    return static_cast<float>(std::min(t, static_cast<double>(std::numeric_limits<float>::max()))) + 0.0f;
+  };
+  const PreparedLine line(ray);
+  push({ray.t_min, 0, ChildLink::node(0), 0.0f, 0.0f});
+  Item last{-1.0f, 0, {}, 0.0f, 0.0f};
+  while (!queue.empty()) {
+    std::pop_heap(queue.begin(), queue.end(), later);
+    const Item item = queue.back();
+    queue.pop_back();
+    if (item.order != 0) {
+      if (!later(item, last)) continue;
+      last = item;
+      if (!visit(item.order - 1, Hit{item.t, item.u, item.v})) return;
+    } else if (item.link.is_leaf()) {
+      for (std::uint32_t rest = structure.kernels->line_may_cross(bvh, item.link, line); rest != 0;
+           rest &= rest - 1) {
+        const auto place = static_cast<std::uint32_t>(std::countr_zero(rest));
+        const Triangle triangle = triangle_in(bvh, item.link, place);
+        const auto crossing = cross_line(ray.origin, ray.direction, triangle);
+        if (!crossing || order_against(*crossing, ray.t_min, ray.origin, ray.direction, triangle) < 0 ||
+            order_against(*crossing, ray.t_max, ray.origin, ray.direction, triangle) > 0) {
+          continue;
+        }
+        const Item found{rounded(crossing->t),
+                         1 + triangle_id(bvh, item.link, place),
+                         {},
+                         static_cast<float>(crossing->u),
+                         static_cast<float>(crossing->v)};
+        if (later(found, last)) push(found);
+      }
+    } else {
+      const WideNode& node = bvh.nodes[item.link.node()];
+      float entry[wide_node_children];
+      for (std::uint32_t rest = structure.kernels->line_meets(node, line, entry); rest != 0;
+           rest &= rest - 1) {
+        const int slot = std::countr_zero(rest);
+        push({entry[slot], 0, node.children[slot], 0.0f, 0.0f});
+      }
+    }
+  }
+}
+
+}  // namespace kerf

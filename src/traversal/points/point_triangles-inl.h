@@ -1,0 +1,144 @@
+// A point and all triangles of a leaf. Included once per instruction set.
+
+#if defined(KERF_TRAVERSAL_POINTS_POINT_TRIANGLES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_TRAVERSAL_POINTS_POINT_TRIANGLES_INL_H
+#undef KERF_TRAVERSAL_POINTS_POINT_TRIANGLES_INL_H
+#else
+#define KERF_TRAVERSAL_POINTS_POINT_TRIANGLES_INL_H
+#endif
+
+#include <algorithm>
+#include <bit>
+
+#include "simd/doubles-inl.h"
+#include "traversal/points/near_triangle.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+namespace {
+
+HWY_INLINE DoubleVector size(const Vec3Doubles& a) {
+  return hn::Add(hn::Add(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z));
+}
+
+struct ClosestPoints {
+  DoubleVector squared_distance, u, v;
+};
+
+// The closest point of the edge between two corners, given as differences from the point: `s` of the way
+// from `from` to `to`. From the nearer end, which is exact there.
+HWY_INLINE DoubleVector closest_on_edge(const Vec3Doubles& from, const Vec3Doubles& to,
+                                        const Vec3Doubles& edge, DoubleVector& s) {
+  const DoubleTag tag;
+  const auto one = hn::Set(tag, 1.0), zero = hn::Zero(tag);
+  const auto length = dot(edge, edge);
+  const auto foot = hn::Div(hn::Neg(dot(from, edge)), length);
+  s = hn::IfThenElseZero(hn::Lt(zero, length), hn::Min(hn::Max(foot, zero), one));
+  const auto near_from = hn::Le(s, hn::Set(tag, 0.5));
+  const auto way = hn::IfThenElse(near_from, s, hn::Sub(s, one));
+  const auto on_edge = [&](DoubleVector a, DoubleVector b, DoubleVector e)
+                           HWY_ATTR { return hn::Add(hn::IfThenElse(near_from, a, b), hn::Mul(way, e)); };
+  const Vec3Doubles q{on_edge(from.x, to.x, edge.x), on_edge(from.y, to.y, edge.y),
+                      on_edge(from.z, to.z, edge.z)};
+  return dot(q, q);
+}
+
+// The triangles of a leaf against one point.
+class PointTriangles {
+ public:
+  HWY_INLINE explicit PointTriangles(const Vec3f& p) : point_(broadcast_doubles(p)) {}
+
+  // Calls `found` for each triangle of the leaf within the square root of `reach`.
+  template <class Found>
+  HWY_INLINE void find(const WideBvh& bvh, ChildLink leaf, double reach, Found&& found) const {
+    const DoubleTag tag;
+    const std::uint32_t count = leaf.count();
+    const float* rows = leaf_rows(bvh, leaf);
+    for (std::uint32_t begin = 0; begin < count; begin += double_lanes) {
+      const Corners corners = load_corners(rows + begin, count);
+      const auto reaches = hn::Set(tag, reach);
+      const std::uint32_t there = (1u << std::min<std::uint32_t>(count - begin, double_lanes)) - 1;
+      if ((there & ~bits(tag, plane_is_beyond(corners, reaches))) == 0) continue;
+      const ClosestPoints closest = closest_points(corners);
+      std::uint32_t near = there & bits(tag, hn::Le(closest.squared_distance, reaches));
+      if (near == 0) continue;
+      alignas(64) double squares[double_lanes], us[double_lanes], vs[double_lanes];
+      hn::Store(closest.squared_distance, tag, squares);
+      hn::Store(closest.u, tag, us);
+      hn::Store(closest.v, tag, vs);
+      for (; near != 0; near &= near - 1) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(near));
+        found(NearTriangle{squares[i], us[i], vs[i], triangle_id(bvh, leaf, begin + i), leaf, begin + i});
+      }
+    }
+  }
+
+ private:
+  // Corners as differences from the point, edges as differences of corners.
+  struct Corners {
+    Vec3Doubles a, b, c, ab, bc, ca;
+  };
+
+  HWY_INLINE Corners load_corners(const float* rows, std::size_t count) const {
+    const Vec3Doubles a = load_vectors(rows, count), b = load_vectors(rows + 3 * count, count),
+                      c = load_vectors(rows + 6 * count, count);
+    return {a - point_, b - point_, c - point_, b - a, c - b, a - c};
+  }
+
+  // Whether the plane of a triangle, and so the triangle, is farther than the square root of `reach`. False
+  // where rounding leaves that open.
+  HWY_INLINE static hn::Mask<DoubleTag> plane_is_beyond(const Corners& corners, DoubleVector reach) {
+    const DoubleTag tag;
+    const Vec3Doubles normal = cross(corners.ca, corners.ab);
+    // Some ten roundings of 2^-53 on products of these sizes; of a sliver they are most of what the normal
+    // is.
+    constexpr double rounding = 32.0 / 9007199254740992.0;
+    const auto error = hn::Mul(hn::Set(tag, rounding), hn::Mul(size(corners.ab), size(corners.ca)));
+    const auto height = hn::Sub(hn::Abs(dot(normal, corners.a)), hn::Mul(error, size(corners.a)));
+    // (n + e)^2 <= (1 + d) n^2 + (1 + 1 / d) e^2
+    constexpr double d = 1e-6;
+    const auto square = hn::Add(hn::Mul(hn::Set(tag, (1.0 + d) * (1.0 + d)), dot(normal, normal)),
+                                hn::Mul(hn::Set(tag, (1.0 + 1.0 / d) * (1.0 + d)), hn::Mul(error, error)));
+    return hn::And(hn::Lt(hn::Zero(tag), height), hn::Lt(hn::Mul(reach, square), hn::Mul(height, height)));
+  }
+
+  // The closest of the three edges' points, or the foot of the perpendicular where that falls inside. Slivers
+  // keep their accuracy: an edge's point needs no division by the triangle's area.
+  HWY_INLINE static ClosestPoints closest_points(const Corners& corners) {
+    const DoubleTag tag;
+    const auto zero = hn::Zero(tag);
+    const auto& [a, b, c, ab, bc, ca] = corners;
+    DoubleVector s;
+    ClosestPoints best{closest_on_edge(a, b, ab, s), zero, zero};
+    best.u = s;
+    const auto take = [&](hn::Mask<DoubleTag> nearer, const ClosestPoints& other) HWY_ATTR {
+      best.squared_distance = hn::IfThenElse(nearer, other.squared_distance, best.squared_distance);
+      best.u = hn::IfThenElse(nearer, other.u, best.u);
+      best.v = hn::IfThenElse(nearer, other.v, best.v);
+    };
+    const auto on_bc = closest_on_edge(b, c, bc, s);
+    take(hn::Lt(on_bc, best.squared_distance), {on_bc, hn::Sub(hn::Set(tag, 1.0), s), s});
+    const auto on_ca = closest_on_edge(c, a, ca, s);
+    take(hn::Lt(on_ca, best.squared_distance), {on_ca, zero, hn::Sub(hn::Set(tag, 1.0), s)});
+
+    const Vec3Doubles normal = cross(ca, ab);
+    const auto wa = dot(normal, cross(b, c)), wb = dot(normal, cross(c, a)), wc = dot(normal, cross(a, b));
+    const auto inside = hn::Lt(zero, hn::Min(hn::Min(wa, wb), wc));
+    const auto height = dot(normal, a);
+    const auto on_face = hn::Div(hn::Mul(height, height), dot(normal, normal));
+    const auto sum = hn::Add(hn::Add(wa, wb), wc);
+    take(hn::And(inside, hn::Lt(on_face, best.squared_distance)),
+         {on_face, hn::Div(wb, sum), hn::Div(wc, sum)});
+    return best;
+  }
+
+  Vec3Doubles point_;
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#endif

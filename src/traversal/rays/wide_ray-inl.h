@@ -1,0 +1,248 @@
+// A ray as the wide kernels need it. Included once per instruction set.
+
+#if defined(KERF_TRAVERSAL_RAYS_WIDE_RAY_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_TRAVERSAL_RAYS_WIDE_RAY_INL_H
+#undef KERF_TRAVERSAL_RAYS_WIDE_RAY_INL_H
+#else
+#define KERF_TRAVERSAL_RAYS_WIDE_RAY_INL_H
+#endif
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "layout/wide_bvh.hpp"
+#include "math/ray_box.hpp"
+#include "math/ray_triangle.hpp"
+#include "simd/floats-inl.h"
+#include "traversal/rays/prepared_ray.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf {
+namespace HWY_NAMESPACE {
+namespace {
+
+// As many boxes of a node as go into one vector, or what is the same for all of them.
+using BoxVector = hn::Vec<Sixteen::Tag>;
+
+#if HWY_TARGET == HWY_SCALAR
+struct Four {
+  float lane[4];
+};
+template <int i>
+HWY_INLINE BoxVector broadcast_lane(const Four& v) {
+  return hn::Set(Sixteen::Tag(), v.lane[i]);
+}
+HWY_INLINE Four three(const Vec3f& v) {
+  return {{v.x, v.y, v.z, 0.0f}};
+}
+#else
+using FourTag = hn::FixedTag<float, 4>;
+using Four = hn::Vec<FourTag>;
+
+// Lane i in all lanes, without a way through memory.
+template <int i>
+HWY_INLINE BoxVector broadcast_lane(Four v) {
+#if HWY_TARGET <= HWY_AVX2
+  const Sixteen::Tag tag;
+  const auto index = hn::IndicesFromVec(tag, hn::Set(hn::RebindToSigned<Sixteen::Tag>(), i));
+  const auto eight = hn::ZeroExtendVector(FloatTag(), v);
+#if HWY_TARGET <= HWY_AVX3
+  return hn::TableLookupLanes(hn::ZeroExtendVector(tag, eight), index);
+#else
+  return hn::TableLookupLanes(eight, index);
+#endif
+#else
+  return hn::Broadcast<i>(v);
+#endif
+}
+HWY_INLINE Four three(const Vec3f& v) {
+  alignas(16) const float lanes[4] = {v.x, v.y, v.z, 0.0f};
+  return hn::Load(FourTag(), lanes);
+}
+#endif
+
+// `RayBoxes` and `RayShear` once more, ready to be broadcast. Two cache lines.
+struct alignas(64) WideRay {
+  Four inverse, enter, leave;  // of RayBoxes, along x, y, z
+  float t_min;
+  std::uint32_t octant;  // bit a: negative along axis a
+
+  float origin[3];        // along the axes of the shear
+  std::uint32_t axis[3];  // these axes
+  float sx, sy, inverse_dz;
+  float least_value;  // of SinglePrecision; infinite where results might leave the range of a float
+};
+
+// What is decided in single precision, for a scene whose far side lies at `distance` along the axes: with
+// coordinates below 2^36 no determinant and no t comes near `SinglePrecision::greatest`.
+HWY_INLINE float least_value(float distance) {
+  return distance < 0x1p36f ? SinglePrecision::least_value : std::numeric_limits<float>::infinity();
+}
+
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
+  out = {};
+  const PreparedRay prepared(ray);
+  if (prepared.scale != 1.0 || (!prepared.valid() && ray.t_min <= ray.t_max)) return false;
+  const float o[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
+  const RayBoxes boxes(ray.origin, ray.direction, bvh.bounds);
+  const RayShear shear(ray.direction);
+  const int axes[3] = {shear.kx, shear.ky, shear.kz};
+  out.inverse = three(boxes.inverse);
+  out.enter = three(boxes.enter);
+  out.leave = three(boxes.leave);
+  out.t_min = prepared.t_min;
+  out.octant = 0;
+  for (int i = 0; i < 3; ++i) {
+    out.octant |= static_cast<unsigned>(std::signbit(boxes.inverse[i])) << i;
+    out.axis[i] = static_cast<std::uint32_t>(axes[i]);
+    out.origin[i] = o[axes[i]];
+  }
+  out.sx = shear.sx;
+  out.sy = shear.sy;
+  out.inverse_dz = shear.inverse_dz;
+  out.least_value = least_value(boxes.distance);
+  return true;
+}
+#else
+HWY_INLINE Four largest_of_three(Four v) {
+  return hn::Max(hn::Max(hn::Broadcast<0>(v), hn::Broadcast<1>(v)), hn::Broadcast<2>(v));
+}
+HWY_INLINE std::uint32_t three_bits(hn::Mask<FourTag> mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(FourTag(), mask, bytes);
+  return bytes[0] & 7u;
+}
+
+// The axes of a shear, by the axis along which the direction is largest and by its sign there, see
+// `RayShear`.
+struct ShearAxes {
+  std::uint8_t axis[3];
+};
+constexpr ShearAxes shear_axes[3][2] = {
+    {{{1, 2, 0}}, {{2, 1, 0}}}, {{{2, 0, 1}}, {{0, 2, 1}}}, {{{0, 1, 2}}, {{1, 0, 2}}}};
+
+// The margin of `RayBoxes`, or more: no coordinate of the origin exceeds distance + largest_coordinate.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> boxes_margin(Tag tag, hn::Vec<Tag> distance, const WideBvh& bvh) {
+  return hn::Mul(
+      hn::Set(tag, 0x1p-24f),
+      hn::Add(hn::Mul(distance, hn::Set(tag, RayBoxes::margin_of_distance + RayBoxes::margin_of_origin)),
+              hn::Set(tag, RayBoxes::margin_of_origin * bvh.largest_coordinate)));
+}
+
+// False for a ray that `PreparedRay` has to scale or to refuse. The shear is that of `RayShear` to the last
+// bit; the boxes' margin may differ, which no hit shows.
+HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
+  const FourTag tag;
+  const float* origin = &ray.origin.x;
+  const float* direction = &ray.direction.x;
+  const Four o = hn::LoadU(tag, origin), d = hn::LoadU(tag, direction);  // the fourth lane is something else
+  const Four absolute = hn::Abs(d), zero = hn::Zero(tag);
+  const Four largest = largest_of_three(absolute);
+  const float length = hn::GetLane(largest);
+  const std::uint32_t finite = three_bits(hn::Eq(hn::Mul(zero, hn::Add(o, d)), zero));
+  if (!(finite == 7 && length > PreparedRay::shortest && length < PreparedRay::longest)) return false;
+
+  const Four distance = largest_of_three(hn::Max(hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.lower.x))),
+                                                 hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.upper.x)))));
+  const Four margin = boxes_margin(tag, distance, bvh);
+  const Four positive =
+      hn::Div(hn::Set(tag, 1.0f), hn::Max(absolute, hn::Mul(largest, hn::Set(tag, 0x1p-26f))));
+  const Four inverse = hn::CopySign(positive, d);
+  const Four product = hn::Mul(o, inverse), grown = hn::Mul(margin, positive);
+  out.inverse = inverse;
+  out.enter = hn::Sub(hn::Neg(product), grown);
+  out.leave = hn::Sub(grown, product);
+  out.t_min = std::max(ray.t_min, 0.0f);
+  const hn::RebindToSigned<FourTag> integers;
+  out.octant = three_bits(hn::MaskFromVec(hn::BitCast(tag, hn::BroadcastSignBit(hn::BitCast(integers, d)))));
+
+  const auto kz = static_cast<std::uint32_t>(std::bit_width(three_bits(hn::Eq(absolute, largest)))) - 1;
+  const ShearAxes axes = shear_axes[kz][(out.octant >> kz) & 1];
+  for (int i = 0; i < 3; ++i) {
+    out.axis[i] = axes.axis[i];
+    out.origin[i] = origin[axes.axis[i]];
+  }
+  out.sx = direction[axes.axis[0]] / direction[kz];
+  out.sy = direction[axes.axis[1]] / direction[kz];
+  out.inverse_dz = 1.0f / direction[kz];
+  out.least_value = least_value(hn::GetLane(distance));
+  return true;
+}
+#endif
+
+// What a node step reads at every node.
+struct NodeConstants {
+  BoxVector inverse[3], enter[3], leave[3], t_min;
+  std::uint32_t near[3], far[3];  // where in a node the planes of entry and of exit begin, in floats
+
+  HWY_INLINE explicit NodeConstants(const WideRay& ray) : t_min(hn::Set(Sixteen::Tag(), ray.t_min)) {
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      const std::uint32_t negative = (ray.octant >> axis) & 1;
+      near[axis] = (2 * axis + negative) * wide_node_children;
+      far[axis] = (2 * axis + 1 - negative) * wide_node_children;
+    }
+    inverse[0] = broadcast_lane<0>(ray.inverse);
+    inverse[1] = broadcast_lane<1>(ray.inverse);
+    inverse[2] = broadcast_lane<2>(ray.inverse);
+    enter[0] = broadcast_lane<0>(ray.enter);
+    enter[1] = broadcast_lane<1>(ray.enter);
+    enter[2] = broadcast_lane<2>(ray.enter);
+    leave[0] = broadcast_lane<0>(ray.leave);
+    leave[1] = broadcast_lane<1>(ray.leave);
+    leave[2] = broadcast_lane<2>(ray.leave);
+  }
+};
+
+// The same, to be read from memory at each step: for a ray that comes round once in a while.
+struct StoredNodeConstants {
+  float inverse[3], enter[3], leave[3], t_min;
+  std::uint32_t near[3], far[3];
+
+  HWY_INLINE void set(const WideRay& ray) {
+    alignas(16) float lanes[4];
+    const auto copy = [&lanes](const Four& v, float* to) HWY_ATTR {
+      std::memcpy(lanes, &v, sizeof(lanes));
+      std::copy_n(lanes, 3, to);
+    };
+    copy(ray.inverse, inverse);
+    copy(ray.enter, enter);
+    copy(ray.leave, leave);
+    t_min = ray.t_min;
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      const std::uint32_t negative = (ray.octant >> axis) & 1;
+      near[axis] = (2 * axis + negative) * wide_node_children;
+      far[axis] = (2 * axis + 1 - negative) * wide_node_children;
+    }
+  }
+};
+
+// What a leaf test reads at every leaf.
+struct LeafConstants {
+  Eight origin[3], sx, sy, inverse_dz, least_value;
+  std::size_t axis[3];
+  float t_min;
+
+  HWY_INLINE explicit LeafConstants(const WideRay& ray)
+      : sx(broadcast(ray.sx)),
+        sy(broadcast(ray.sy)),
+        inverse_dz(broadcast(ray.inverse_dz)),
+        least_value(broadcast(ray.least_value)),
+        t_min(ray.t_min) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      origin[i] = broadcast(ray.origin[i]);
+      axis[i] = ray.axis[i];
+    }
+  }
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf
+HWY_AFTER_NAMESPACE();
+
+#endif

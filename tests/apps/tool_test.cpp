@@ -1,0 +1,283 @@
+// The command line as DESIGN's contract has it: exit statuses, JSON, tables, pictures.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "support/run_tool.hpp"
+#include "workbench/generate/generated_scenes.hpp"
+
+namespace {
+
+using namespace kerf_tests;
+using Json = nlohmann::json;
+
+// Small enough for sanitizers; three rounds of timing are the fewest.
+const std::string small = "sticks:detail=0.02";
+const std::string quick = " --pixels 24x16 --rounds 3 ";
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+// One line that begins `kerf: ` and names `name`.
+void expect_one_line_about(const std::string& errors, const std::string& name) {
+  EXPECT_TRUE(errors.starts_with("kerf: ")) << errors;
+  EXPECT_EQ(count(errors, "\n"), 1u) << errors;
+  EXPECT_NE(errors.find(name), std::string::npos) << errors;
+}
+
+std::vector<std::string> keys_of(const Json& object) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : object.items()) keys.push_back(key);
+  return keys;
+}
+
+void expect_keys(const Json& object, const std::vector<std::string>& keys) {
+  ASSERT_TRUE(object.is_object());
+  for (const std::string& key : keys) EXPECT_TRUE(object.contains(key)) << key;
+}
+
+// Every field of the contract, with the type that it has there.
+void expect_builder_of_contract(const Json& builder) {
+  expect_keys(builder, {"name", "alpha", "build_ms", "sah", "epo", "references", "nodes", "bytes", "rays"});
+  EXPECT_TRUE(builder["name"].is_string());
+  for (const char* key : {"alpha", "build_ms", "sah", "epo"})
+    EXPECT_TRUE(builder[key].is_number_float()) << key;
+  for (const char* key : {"references", "nodes", "bytes"})
+    EXPECT_TRUE(builder[key].is_number_unsigned()) << key;
+  EXPECT_EQ(keys_of(builder["rays"]), (std::vector<std::string>{"ao", "diffuse", "primary"}));
+  for (const auto& [type, rays] : builder["rays"].items()) {
+    expect_keys(rays, {"count", "hits", "steps", "triangle_tests", "mrays_per_s"});
+    EXPECT_TRUE(rays["count"].is_number_unsigned()) << type;
+    EXPECT_TRUE(rays["hits"].is_number_unsigned()) << type;
+    EXPECT_GT(rays["steps"], 0.0) << type;
+    EXPECT_GT(rays["triangle_tests"], 0.0) << type;
+    EXPECT_GT(rays["mrays_per_s"], 0.0) << type;
+    EXPECT_LE(rays["hits"], rays["count"]) << type;
+  }
+}
+
+TEST(Tool, PrintsItsVersion) {
+  const Outcome outcome = run_tool("--version");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_TRUE(outcome.output.starts_with("kerf ")) << outcome.output;
+}
+
+TEST(Tool, HelpNamesEverySubcommand) {
+  const Outcome outcome = run_tool("--help");
+  EXPECT_EQ(outcome.status, 0);
+  for (const char* command : {"scenes", "info", "compare", "sweep", "render"}) {
+    EXPECT_NE(outcome.output.find(command), std::string::npos) << command;
+    EXPECT_EQ(run_tool(std::string(command) + " --help").status, 0) << command;
+  }
+}
+
+TEST(Tool, BadUsageIsStatusTwoAndOneLine) {
+  for (const std::string arguments : {"",
+                                      "nonsense",
+                                      "compare",
+                                      "render atrium",
+                                      "compare --alpha 7 sticks",
+                                      "compare --alpha x sticks",
+                                      "compare --alpha nan sticks",
+                                      "compare --builders foo sticks",
+                                      "compare --builders bvh,bvh sticks",
+                                      "compare --builders '' sticks",
+                                      "compare --threads -1 sticks",
+                                      "compare --threads 1.5 sticks",
+                                      "compare --rounds 2 sticks",
+                                      "compare --pixels 0x9 sticks",
+                                      "compare --no-such-option sticks",
+                                      "compare sticks:nonsense=1",
+                                      "compare sticks:detail=x",
+                                      "sweep sticks --alphas 1,2",
+                                      "sweep sticks --alphas ,",
+                                      "info sticks --builder bvh,sbvh",
+                                      "render sticks -o x.png --size 0x0",
+                                      "render sticks -o x.png --size 12",
+                                      "render sticks -o x.png --size 99999x1",
+                                      "render sticks -o x.png --mode pretty",
+                                      "render sticks:detail=0.01 -o x.png --view 99",
+                                      "render sticks -o x.png --view -1"}) {
+    const Outcome outcome = run_tool(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_EQ(outcome.output, "") << arguments;
+    expect_one_line_about(outcome.errors, "");
+  }
+  EXPECT_FALSE(std::filesystem::exists("x.png"));
+}
+
+TEST(Tool, BadInputIsStatusOneAndOneLineThatNamesTheFile) {
+  const TemporaryDirectory directory;
+  write_bytes(directory.file("empty.obj"), "");
+  write_bytes(directory.file("points.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  write_bytes(directory.file("scene.xyz"), "0 0 0\n");
+  for (const char* name : {"missing.obj", "empty.obj", "points.obj", "scene.xyz"}) {
+    for (const char* command : {"info", "compare", "sweep"}) {
+      const Outcome outcome = run_tool(std::string(command) + " " + directory.file(name));
+      EXPECT_EQ(outcome.status, 1) << command << " " << name;
+      EXPECT_EQ(outcome.output, "");
+      expect_one_line_about(outcome.errors, directory.file(name));
+    }
+  }
+}
+
+TEST(Tool, SaysBeforeLongWorkThatOutputCannotBeWritten) {
+  // The scenes do not exist: had they been looked at first, the line would name them.
+  for (const std::string arguments :
+       {"compare nothing.obj --json /nowhere/x.json", "compare nothing.obj --report /dev/null/report",
+        "sweep nothing.obj --json /nowhere/x.json", "render nothing.obj -o /nowhere/x.png"}) {
+    const Outcome outcome = run_tool(arguments);
+    EXPECT_EQ(outcome.status, 1) << arguments;
+    expect_one_line_about(outcome.errors, arguments.substr(arguments.find_last_of(' ') + 1));
+  }
+}
+
+TEST(Tool, AFullDiskIsAnError) {
+  const Outcome outcome = run_tool("render " + small + " --size 8x8 -o /dev/full");
+  EXPECT_EQ(outcome.status, 1);
+  expect_one_line_about(outcome.errors, "/dev/full");
+}
+
+TEST(Tool, CompareJsonFollowsTheContractAndStandsAlone) {
+  const Outcome outcome = run_tool("compare terrain:detail=0.01 " + small + quick + " --json -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_EQ(outcome.errors, "") << "a pipe shows no progress";
+  const Json json = Json::parse(outcome.output);
+  EXPECT_TRUE(json["kerf"].is_string());
+  ASSERT_EQ(json["scenes"].size(), 2u);
+  EXPECT_EQ(json["scenes"][0]["name"], "terrain:detail=0.01");
+  EXPECT_EQ(json["scenes"][1]["name"], small);
+  for (const Json& scene : json["scenes"]) {
+    ASSERT_TRUE(scene["triangles"].is_number_unsigned());
+    ASSERT_EQ(scene["builders"].size(), 4u);
+    const char* const names[] = {"bvh", "sbvh", "esc", "evh"};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Json& builder = scene["builders"][i];
+      EXPECT_EQ(builder["name"], names[i]);
+      EXPECT_EQ(builder["alpha"], 1e-5);
+      expect_builder_of_contract(builder);
+      EXPECT_EQ(builder["disagreements"], 0u);
+      for (const char* type : {"primary", "ao", "diffuse"}) {  // the same rays hit the same in every tree
+        EXPECT_EQ(builder["rays"][type]["count"], scene["builders"][0]["rays"][type]["count"]);
+        EXPECT_EQ(builder["rays"][type]["hits"], scene["builders"][0]["rays"][type]["hits"]);
+      }
+    }
+    EXPECT_EQ(scene["builders"][0]["references"], scene["triangles"]) << "object splits duplicate nothing";
+  }
+}
+
+TEST(Tool, EscAndEvhGetAtMostTheReferencesOfTheSbvhThatIsNotAsked) {
+  const Json with =
+      Json::parse(run_tool("compare " + small + quick + " --json -").output)["scenes"][0]["builders"];
+  const Json without = Json::parse(
+      run_tool("compare " + small + quick + " --builders esc,evh --json -").output)["scenes"][0]["builders"];
+  ASSERT_EQ(without.size(), 2u);
+  EXPECT_EQ(without[0]["references"], with[2]["references"]);
+  EXPECT_EQ(without[1]["references"], with[3]["references"]);
+}
+
+TEST(Tool, TheTableInAPipeMarksTheBestAndHasNoEscapes) {
+  const Outcome outcome = run_tool("compare " + small + quick + " --builders bvh,sbvh");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.errors, "");
+  EXPECT_EQ(outcome.output.find('\033'), std::string::npos);
+  EXPECT_NE(outcome.output.find('*'), std::string::npos);
+  EXPECT_NE(outcome.output.find("×"), std::string::npos);
+  EXPECT_NE(outcome.output.find("hits of all agree"), std::string::npos);
+}
+
+TEST(Tool, JsonInAFileLeavesTheTableOnStandardOutput) {
+  const TemporaryDirectory directory;
+  const Outcome outcome =
+      run_tool("compare " + small + quick + " --builders bvh --json " + directory.file("figures.json"));
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_NE(outcome.output.find("SAH"), std::string::npos);
+  EXPECT_EQ(Json::parse(read_bytes(directory.file("figures.json")))["scenes"][0]["builders"].size(), 1u);
+}
+
+TEST(Tool, SweepHasAnEntryForEachAlphaWhoseCostFalls) {
+  const Outcome outcome = run_tool("sweep " + small + quick + " --alphas 1,1e-2,1e-5,0 --json -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const Json builders = Json::parse(outcome.output)["scenes"][0]["builders"];
+  const double alphas[] = {1.0, 1e-2, 1e-5, 0.0};
+  ASSERT_EQ(builders.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    expect_builder_of_contract(builders[i]);
+    EXPECT_EQ(builders[i]["name"], "sbvh");
+    EXPECT_EQ(builders[i]["alpha"], alphas[i]);
+    EXPECT_LE(builders[i]["sah"], builders[0]["sah"]);
+    EXPECT_GE(builders[i]["references"], builders[0]["references"]);
+  }
+  EXPECT_LT(builders[3]["sah"], builders[0]["sah"]) << "sticks are what spatial splits are for";
+}
+
+TEST(Tool, RendersTheSamePictureWithEveryBuilder) {
+  const TemporaryDirectory directory;
+  std::string first;
+  for (const char* builder : {"bvh", "sbvh", "esc", "evh"}) {
+    const std::string file = directory.file(std::string(builder) + ".png");
+    const Outcome outcome =
+        run_tool("render " + small + " --size 33x21 --view 1 --builder " + builder + " -o " + file);
+    ASSERT_EQ(outcome.status, 0) << outcome.errors;
+    const std::string png = read_bytes(file);
+    // Width and height stand big-endian in the header chunk (PNG specification, section 11.2.1).
+    ASSERT_GT(png.size(), 24u);
+    EXPECT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");
+    EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\x21\0\0\0\x15", 8));
+    if (first.empty()) first = png;
+    EXPECT_EQ(png, first) << builder;
+  }
+}
+
+TEST(Tool, RendersThreeModesThatDiffer) {
+  std::vector<std::string> pictures;
+  for (const char* mode : {"shaded", "ao", "steps"}) {
+    const Outcome outcome = run_tool("render " + small + " --size 16x16 -o - --mode " + mode);
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    EXPECT_TRUE(outcome.output.starts_with("\x89PNG"));
+    EXPECT_EQ(std::count(pictures.begin(), pictures.end(), outcome.output), 0) << mode;
+    pictures.push_back(outcome.output);
+  }
+}
+
+TEST(Tool, InfoCountsWhatTheFileHolds) {
+  const TemporaryDirectory directory;
+  write_bytes(directory.file("two.obj"),
+              "v 0 0 0\nv 4 0 0\nv 0 5 0\nv 0 0 6\nf 1 2 3\nf 1 2 4\nf 1 1 2\n");  // the third has no area
+  const Outcome outcome = run_tool("info " + directory.file("two.obj"));
+  EXPECT_EQ(outcome.status, 0) << outcome.errors;
+  for (const char* part :
+       {"(0, 0, 0) to (4, 5, 6)", "nodes", "depth", "leaf sizes", "references", "SAH", "EPO", "bytes"}) {
+    EXPECT_NE(outcome.output.find(part), std::string::npos) << part << "\n" << outcome.output;
+  }
+}
+
+TEST(Tool, ListsEveryGeneratedScene) {
+  const Outcome outcome = run_tool("scenes");
+  EXPECT_EQ(outcome.status, 0);
+  for (const auto& scene : workbench::generated_scenes()) {
+    EXPECT_NE(outcome.output.find(fmt::format("\n{} ", scene.name)), std::string::npos) << scene.name;
+  }
+}
+
+TEST(Tool, ATriangleWithoutAreaAloneIsTracedAndMissed) {
+  const TemporaryDirectory directory;
+  write_bytes(directory.file("line.obj"), "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  const Outcome outcome = run_tool("compare " + directory.file("line.obj") + quick + "--json -");
+  if (outcome.status == 1) return expect_one_line_about(outcome.errors, directory.file("line.obj"));
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const Json comparison = Json::parse(outcome.output);
+  for (const Json& builder : comparison["scenes"][0]["builders"]) {
+    EXPECT_EQ(builder["references"], 0u);
+    EXPECT_EQ(builder["rays"]["primary"]["hits"], 0u);
+  }
+}
+
+}  // namespace

@@ -1,0 +1,160 @@
+#include "construction/input.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+#include <kerf/kerf.hpp>
+
+#include "math/triangle.hpp"
+#include "support/random_triangles.hpp"
+
+namespace {
+
+using kerf::BuildOptions;
+using kerf::Error;
+using kerf_tests::Mesh;
+
+struct Failure {
+  int code;
+  std::string sentence;
+};
+
+Failure failure_of(const Mesh& mesh, const BuildOptions& options = {}) {
+  try {
+    kerf::build(mesh.mesh(), options);
+  } catch (const Error& error) {
+    return {error.code(), error.what()};
+  }
+  return {-1, "no error"};
+}
+
+Mesh one_triangle(float size) {
+  return {.vertices = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, .triangles = {{0, 1, 2}}};
+}
+
+TEST(BuildInput, NamesTheVertexThatIsNotFinite) {
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Mesh mesh = kerf_tests::random_triangles(10, 0.1f, 0.1f);
+    mesh.vertices[17].y = bad;
+    const Failure failure = failure_of(mesh);
+    EXPECT_EQ(failure.code, Error::non_finite_vertex);
+    EXPECT_NE(failure.sentence.find("vertex 17"), std::string::npos) << failure.sentence;
+  }
+}
+
+TEST(BuildInput, IgnoresAVertexThatNoTriangleUses) {
+  Mesh mesh = one_triangle(1.0f);
+  mesh.vertices.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
+  EXPECT_EQ(kerf::build(mesh.mesh()).statistics().references, 1u);
+}
+
+TEST(BuildInput, NamesTheTriangleAndTheIndexThatIsOutOfRange) {
+  Mesh mesh = kerf_tests::random_triangles(10, 0.1f, 0.1f);
+  mesh.triangles[6][1] = 30;
+  const Failure failure = failure_of(mesh);
+  EXPECT_EQ(failure.code, Error::index_out_of_range);
+  EXPECT_NE(failure.sentence.find("triangle 6"), std::string::npos) << failure.sentence;
+  EXPECT_NE(failure.sentence.find("30"), std::string::npos) << failure.sentence;
+}
+
+TEST(BuildInput, RefusesOptionsOutOfTheirRanges) {
+  const Mesh mesh = one_triangle(1.0f);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float alpha : {-0.1f, 1.5f, nan}) {
+    EXPECT_EQ(failure_of(mesh, {.alpha = alpha}).code, Error::invalid_argument);
+  }
+  for (const float ratio : {0.5f, 17.0f, nan}) {
+    EXPECT_EQ(failure_of(mesh, {.max_reference_ratio = ratio}).code, Error::invalid_argument);
+  }
+  for (const std::uint32_t size : {0u, 9u}) {
+    EXPECT_EQ(failure_of(mesh, {.max_leaf_size = size}).code, Error::invalid_argument);
+  }
+}
+
+TEST(BuildInput, CountsDegenerateTrianglesAndLeavesThemOut) {
+  Mesh mesh = one_triangle(1.0f);
+  mesh.vertices.push_back({2, 0, 0});
+  mesh.triangles.insert(mesh.triangles.end(), {{0, 0, 0}, {0, 1, 1}, {0, 1, 3}});
+  const kerf::Bvh bvh = kerf::build(mesh.mesh());
+  EXPECT_EQ(bvh.statistics().degenerate_triangles, 3u);
+  EXPECT_EQ(bvh.statistics().references, 1u);
+  EXPECT_EQ(bvh.statistics().triangles, 4u);
+}
+
+TEST(BuildInput, KeepsTrianglesOfAnySizeThatHaveAnArea) {
+  for (const float size : {1e-30f, 1e-20f, 1e-9f, 1.0f, 1e9f, 1e18f, 1e25f}) {
+    EXPECT_EQ(kerf::build(one_triangle(size).mesh()).statistics().degenerate_triangles, 0u) << size;
+  }
+}
+
+TEST(BuildInput, MeshOfNothingGivesATreeOfNothing) {
+  EXPECT_EQ(kerf::build(Mesh{}.mesh()).statistics().nodes, 0u);
+  Mesh degenerate = one_triangle(0.0f);
+  EXPECT_EQ(kerf::build(degenerate.mesh()).statistics().nodes, 0u);
+}
+
+TEST(BuildInput, StridedVerticesAndSeveralMeshesGiveTheSameBoxes) {
+  struct Vertex {
+    float position[3];
+    float normal[3];
+  };
+  const Mesh mesh = kerf_tests::random_triangles(100, 0.2f, 0.2f);
+  std::vector<Vertex> strided;
+  for (const kerf::Vec3f& v : mesh.vertices) strided.push_back({{v.x, v.y, v.z}, {9, 9, 9}});
+  const kerf::Bvh one = kerf::build(mesh.mesh());
+  const kerf::Bvh other = kerf::build({.vertices = strided, .triangles = mesh.triangles});
+  EXPECT_EQ(one.bounds(), other.bounds());
+  EXPECT_EQ(one.statistics().references, other.statistics().references);
+
+  const std::array<kerf::TriangleMesh, 2> halves{
+      kerf::TriangleMesh{.vertices = mesh.vertices, .triangles = std::span(mesh.triangles).first(50)},
+      kerf::TriangleMesh{.vertices = strided, .triangles = std::span(mesh.triangles).last(50)}};
+  const kerf::Bvh both = kerf::build(halves);
+  EXPECT_EQ(one.bounds(), both.bounds());
+  EXPECT_EQ(one.statistics().references, both.statistics().references);
+}
+
+// Thin and thick triangles, some of them in a plane of two axes, some without an area; behind each corner
+// stands what is no number.
+TEST(BuildInput, OnEveryInstructionSetTrianglesWithAnAreaBecomeTheirBoxes) {
+  Mesh mesh = kerf_tests::random_triangles(9000, 0.2f, 1e-3f);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    kerf::Vec3f* const corners = &mesh.vertices[3 * i];
+    if (i % 3 == 1) corners[0].y = corners[1].y = corners[2].y = -0.0f;
+    if (i % 5 == 1) corners[2] = corners[0] + (corners[1] - corners[0]) * 0.5f;
+    if (i % 7 == 1) corners[2] = corners[1];
+    if (i % 11 == 1) std::for_each(corners, corners + 3, [](kerf::Vec3f& v) { v = v * 1e-30f; });
+  }
+  std::vector<std::array<float, 4>> vertices;
+  for (const kerf::Vec3f& v : mesh.vertices)
+    vertices.push_back({v.x, v.y, v.z, std::numeric_limits<float>::quiet_NaN()});
+  const kerf::TriangleMesh view{.vertices = vertices, .triangles = mesh.triangles};
+  const kerf::Geometry geometry(std::span(&view, 1));
+  for (const std::int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3, HWY_EMU128}) {
+    hwy::SetSupportedTargetsForTest(0);
+    if (target != HWY_EMU128 && (hwy::SupportedTargets() & target) == 0) continue;
+    hwy::SetSupportedTargetsForTest(target);
+    SCOPED_TRACE(hwy::TargetName(target));
+    const std::vector<kerf::Reference> references = kerf::make_references(geometry).references;
+    std::size_t count = 0;
+    for (std::uint32_t id = 0; id < mesh.triangles.size(); ++id) {
+      const kerf::Triangle triangle = geometry.triangle(id);
+      if (kerf::is_degenerate(triangle)) continue;
+      ASSERT_LT(count, references.size());
+      EXPECT_EQ(references[count].primitive, id);
+      EXPECT_EQ(references[count++].bounds(), kerf::bounds_of(triangle));
+    }
+    EXPECT_EQ(count, references.size());
+    EXPECT_LT(count, 8000u);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+}  // namespace

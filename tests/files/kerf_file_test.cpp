@@ -1,0 +1,337 @@
+// .kerf files: what is saved comes back, and what is damaged does not.
+#include <random>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <tbb/global_control.h>
+
+#include "fuzz/forged_file.hpp"
+#include "support/adversarial.hpp"
+#include "support/build_options.hpp"
+#include "support/instrumented.hpp"
+#include "support/temporary_directory.hpp"
+#include "workbench/generate/solids.hpp"
+#include "workbench/rays/aimed_rays.hpp"
+
+namespace kerf {
+namespace {
+
+std::span<const std::byte> bytes_of(const std::string& file) {
+  return std::as_bytes(std::span(file));
+}
+
+// The code and the sentence of the error that `work` throws.
+template <class Work>
+std::pair<int, std::string> error_of(Work&& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return {error.code(), error.what()};
+  }
+  return {-1, "no error"};
+}
+
+std::string saved(const Bvh& bvh) {
+  const TemporaryDirectory directory;
+  bvh.save(directory / "scene.kerf");
+  return read_bytes(directory / "scene.kerf");
+}
+
+TEST(KerfFile, LoadedAndMappedAnswerAsSaved) {
+  const workbench::Solid torus = workbench::make_torus(48, 24),
+                         box = workbench::make_box({-1, -1, -1}, {1, 1, 1}, 4);
+  const TriangleMesh meshes[] = {torus.mesh(), {}, box.mesh()};
+  const Bvh bvh = build(meshes, spatial_splits_everywhere());
+  const TemporaryDirectory directory;
+  bvh.save(directory / "scene.kerf");
+  const Bvh loaded = Bvh::load(directory / "scene.kerf"), mapped = Bvh::map(directory / "scene.kerf");
+  std::mt19937 random(1);
+  for (int i = 0; i < 2000; ++i) {
+    const Ray ray{.origin = adversarial::uniform_point(random, 2.0f),
+                  .direction = adversarial::uniform_point(random, 1.0f)};
+    const auto hit = bvh.intersect(ray);
+    ASSERT_EQ(loaded.intersect(ray), hit);
+    ASSERT_EQ(mapped.intersect(ray), hit);
+    ASSERT_EQ(mapped.contains(ray.origin), bvh.contains(ray.origin));
+  }
+  for (const Bvh& again : {loaded, mapped}) {
+    EXPECT_EQ(again.bounds(), bvh.bounds());
+    EXPECT_EQ(again.statistics().triangles, bvh.statistics().triangles);
+    EXPECT_EQ(again.statistics().references, bvh.statistics().references);
+    EXPECT_EQ(again.statistics().nodes, bvh.statistics().nodes);
+    EXPECT_EQ(again.statistics().bytes, bvh.statistics().bytes);
+    EXPECT_EQ(saved(again), saved(bvh));
+  }
+}
+
+// Where the margins of the boxes count: far from the origin, with rays at vertices and edges.
+TEST(KerfFile, ALoadedHierarchyIsAsWatertightAsTheSavedOne) {
+  const TemporaryDirectory directory;
+  for (const auto& [name, solid] : workbench::make_watertight_solids()) {
+    const Bvh bvh = build(solid.mesh(), spatial_splits_everywhere());
+    bvh.save(directory / "solid.kerf");
+    for (const Bvh& again : {Bvh::load(directory / "solid.kerf"), Bvh::map(directory / "solid.kerf")}) {
+      const workbench::AimedRayCounts counts =
+          workbench::trace_aimed_rays(solid, again, test::reduced(2000), 1);
+      EXPECT_EQ(counts.leaks, 0u) << name;
+      EXPECT_EQ(counts.parity_errors, 0u) << name;
+    }
+  }
+}
+
+TEST(KerfFile, AnEmptyHierarchySurvives) {
+  const TemporaryDirectory directory;
+  for (const Bvh& empty : {Bvh(), build(TriangleMesh{}), build(std::span<const TriangleMesh>())}) {
+    empty.save(directory / "empty.kerf");
+    for (const Bvh& again : {Bvh::load(directory / "empty.kerf"), Bvh::map(directory / "empty.kerf")}) {
+      EXPECT_FALSE(again.intersect({.origin = {0, 0, 0}, .direction = {1, 0, 0}}).has_value());
+      EXPECT_EQ(saved(again), read_bytes(directory / "empty.kerf"));
+    }
+  }
+}
+
+TEST(KerfFile, AMappedFileMayBeReplacedWhileItIsUsed) {
+  const TemporaryDirectory directory;
+  build(workbench::make_sphere(2).mesh()).save(directory / "scene.kerf");
+  const Bvh mapped = Bvh::map(directory / "scene.kerf");
+  Bvh().save(directory / "scene.kerf");
+  EXPECT_TRUE(mapped.contains({0, 0, 0}));
+  EXPECT_FALSE(Bvh::map(directory / "scene.kerf").contains({0, 0, 0}));
+}
+
+TEST(KerfFile, TheSameBytesForAnyNumberOfThreadsAndOnEveryRun) {
+  // Of its own accord oneTBB has no more threads than the machine has cores.
+  const tbb::global_control eight_threads(tbb::global_control::max_allowed_parallelism, 8);
+  const workbench::Solid solid = workbench::make_torus(192, 96);
+  std::string first;
+  for (const unsigned threads : {1u, 2u, 4u, 8u}) {
+    for (int run = 0; run < 10; ++run) {
+      BuildOptions options;
+      options.threads = threads;
+      const std::string file = saved(build(solid.mesh(), options));
+      if (first.empty()) first = file;
+      ASSERT_EQ(file, first) << threads << " threads, run " << run;
+    }
+  }
+}
+
+TEST(KerfFile, LeavesNothingElseBehind) {
+  const TemporaryDirectory directory;
+  Bvh().save(directory / "a.kerf");
+  Bvh().save(directory / "a.kerf");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory.path()), {}), 1);
+}
+
+TEST(KerfFile, WhatCannotBeReadOrWrittenIsNamed) {
+  const TemporaryDirectory directory;
+  const std::string missing = (directory / "missing.kerf").string();
+  EXPECT_EQ(error_of([&] { Bvh::load(missing); }),
+            std::pair(int{Error::io}, missing + ": cannot be opened: No such file or directory"));
+  EXPECT_EQ(error_of([&] { Bvh::map(directory.path()); }).first, Error::io);
+  EXPECT_EQ(error_of([&] { Bvh::load("/dev/zero"); }).first, Error::io);
+  EXPECT_EQ(error_of([&] { Bvh().save(directory / "no/such/place.kerf"); }).first, Error::io);
+  EXPECT_EQ(error_of([&] { Bvh().save(directory.path()); }).first, Error::io);
+  write_bytes(directory / "empty.kerf", "");
+  EXPECT_EQ(error_of([&] { Bvh::load(directory / "empty.kerf"); }),
+            std::pair(int{Error::bad_format}, (directory / "empty.kerf").string() + ": the file is empty"));
+  write_bytes(directory / "text.kerf", "v 0 0 0\n");
+  EXPECT_EQ(
+      error_of([&] { Bvh::map(directory / "text.kerf"); }),
+      std::pair(int{Error::bad_format}, (directory / "text.kerf").string() + ": this is not a .kerf file"));
+}
+
+TEST(KerfFile, SavingReplacesFilesAndNothingElse) {
+  const TemporaryDirectory directory;
+  const std::filesystem::path pipe = directory / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(error_of([&] { Bvh().save(pipe); }),
+            std::pair(int{Error::io}, pipe.string() + ": is not a file that can be replaced"));
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_EQ(error_of([&] { Bvh::load(pipe); }).first, Error::io);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory.path()), {}), 1);
+}
+
+TEST(KerfFile, SavingFollowsLinks) {
+  const TemporaryDirectory directory;
+  std::filesystem::create_symlink("middle", directory / "first");
+  std::filesystem::create_symlink(directory / "scene.kerf", directory / "middle");
+  for (int time = 0; time < 2; ++time) {  // nothing is there at first, then a file
+    Bvh().save(directory / "first");
+    EXPECT_TRUE(std::filesystem::is_symlink(directory / "first"));
+    EXPECT_TRUE(std::filesystem::is_symlink(directory / "middle"));
+    EXPECT_NO_THROW(Bvh::load(directory / "scene.kerf"));
+  }
+  std::filesystem::create_symlink("round", directory / "round");
+  EXPECT_EQ(error_of([&] { Bvh().save(directory / "round"); }).first, Error::io);
+}
+
+TEST(KerfFile, SavingKeepsThePermissionsOfTheOldFile) {
+  const TemporaryDirectory directory;
+  using std::filesystem::perms;
+  for (const perms mode : {perms::owner_read | perms::owner_write, perms(0664)}) {
+    Bvh().save(directory / "scene.kerf");
+    std::filesystem::permissions(directory / "scene.kerf", mode);
+    Bvh().save(directory / "scene.kerf");
+    EXPECT_EQ(std::filesystem::status(directory / "scene.kerf").permissions(), mode);
+  }
+}
+
+TEST(KerfFile, NamesMayBeAsLongAsTheSystemAllows) {
+  const TemporaryDirectory directory;
+  for (const std::size_t length : {240u, 241u, 255u}) {
+    const std::filesystem::path path = directory / std::string(length, 'n');
+    Bvh().save(path);
+    Bvh().save(path);
+    EXPECT_NO_THROW(Bvh::load(path)) << length;
+  }
+  EXPECT_EQ(error_of([&] { Bvh().save(directory / std::string(256, 'n')); }).first, Error::io);
+}
+
+TEST(KerfFile, APathWithAZeroByteNamesNoFile) {
+  const TemporaryDirectory directory;
+  const std::filesystem::path path = directory / std::string("a\0b", 3);
+  Bvh().save(directory / "a");
+  EXPECT_EQ(error_of([&] { Bvh().save(path); }).first, Error::io);
+  EXPECT_EQ(error_of([&] { Bvh::load(path); }).first, Error::io);
+  EXPECT_EQ(error_of([&] { Bvh::map(path); }).first, Error::io);
+}
+
+TEST(KerfFile, OtherVersionsAndByteOrdersAreToldFromDamage) {
+  std::string file = saved(Bvh());
+  const auto sentence = [](const std::string& bytes) {
+    return error_of([&] { forged::load(bytes_of(bytes)); }).second;
+  };
+  std::string swapped = file;
+  std::reverse(swapped.begin() + 8, swapped.begin() + 12);
+  EXPECT_EQ(sentence(swapped), "the file was written on a machine with the other byte order");
+  file[12] = 9;
+  EXPECT_EQ(sentence(file), "the file has format version 9, but this kerf reads version 2");
+}
+
+TEST(KerfFile, EveryTruncationAndEveryChangedByteIsRefused) {
+  const std::string file = saved(build(workbench::make_sphere(0).mesh()));
+  for (std::size_t length = 0; length < file.size(); ++length) {
+    ASSERT_EQ(error_of([&] { forged::load(bytes_of(file.substr(0, length))); }).first, Error::bad_format)
+        << length;
+  }
+  ASSERT_EQ(error_of([&] { forged::load(bytes_of(file + '\0')); }).first, Error::bad_format);
+  std::string changed = file;
+  for (std::size_t i = 0; i < file.size(); ++i) {
+    for (int change = 1; change < 256; ++change) {
+      changed[i] = static_cast<char>(file[i] ^ change);
+      ASSERT_EQ(error_of([&] { forged::load(bytes_of(changed)); }).first, Error::bad_format)
+          << "byte " << i << " changed by " << change;
+    }
+    changed[i] = file[i];
+  }
+}
+
+// Shows `file` with its checksums set right again, as whoever forges one can do: it is refused, which is
+// counted, or it answers.
+void present_forged(std::string file, std::size_t& refused) {
+  forged::sign(std::as_writable_bytes(std::span(file)));
+  try {
+    forged::question(forged::load(bytes_of(file)));
+  } catch (const Error& error) {
+    ASSERT_EQ(error.code(), Error::bad_format);
+    ++refused;
+  }
+}
+
+TEST(KerfFile, AForgedFileIsRefusedOrAnswers) {
+  const std::string file = saved(build(workbench::make_sphere(1).mesh()));
+  std::size_t shown = 0, refused = 0;
+  for (std::size_t i = 0; i < file.size(); ++i) {
+    for (const int value : {0x00, 0x7f, 0xff}) {
+      std::string changed = file;
+      changed[i] = static_cast<char>(value);
+      present_forged(changed, refused);
+      ++shown;
+    }
+  }
+  EXPECT_LT(refused, shown);  // coordinates may be changed at will,
+  EXPECT_GT(refused, 0u);     // links may not
+}
+
+TEST(KerfFile, EveryForgedByteOfASmallFileIsRefusedOrAnswers) {
+  const std::vector<Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const std::vector<std::uint32_t> indices{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+  const std::string file = saved(build({.vertices = vertices, .triangles = indices}));
+  std::size_t shown = 0, refused = 0;
+  for (std::size_t i = 0; i < file.size(); ++i) {
+    std::string changed = file;
+    for (int change = 1; change < 256; ++change) {
+      changed[i] = static_cast<char>(file[i] ^ change);
+      present_forged(changed, refused);
+      ++shown;
+    }
+  }
+  EXPECT_LT(refused, shown);
+  EXPECT_GT(refused, 0u);
+  refused = 0;
+  for (std::size_t length = 0; length < file.size(); ++length)
+    present_forged(file.substr(0, length), refused);
+  EXPECT_EQ(refused, file.size());
+}
+
+// A header's reserved bytes are zeros, whatever its checksum says.
+TEST(KerfFile, SomethingWhereAZeroBelongsIsRefused) {
+  const std::string file = saved(build(workbench::make_sphere(0).mesh()));
+  for (std::size_t i = offsetof(FileHeader, zero); i < offsetof(FileHeader, bounds); ++i) {
+    std::string changed = file;
+    changed[i] = 1;
+    forged::sign(std::as_writable_bytes(std::span(changed)));
+    EXPECT_EQ(error_of([&] { forged::load(bytes_of(changed)); }).second,
+              "the header has something where a zero belongs");
+  }
+}
+
+TEST(KerfFile, LinksThatLeadAstrayAreRefused) {
+  const std::string file = saved(build(workbench::make_sphere(3).mesh()));
+  FileHeader header;
+  std::memcpy(&header, file.data(), sizeof header);
+  ASSERT_GT(header.nodes, 2u);
+  const std::size_t nodes = FileLayout(header).nodes_at;
+  const auto forge = [&](std::size_t offset, std::uint32_t value) {
+    std::string changed = file;
+    std::memcpy(changed.data() + nodes + offset, &value, sizeof value);
+    forged::sign(std::as_writable_bytes(std::span(changed)));
+    return error_of([&] { forged::load(bytes_of(changed)); }).second;
+  };
+  const std::size_t first_link = offsetof(WideNode, children);
+  EXPECT_EQ(forge(first_link, ChildLink::node(0).bits()), "a link to an impossible node (0)");
+  EXPECT_EQ(forge(first_link, ChildLink::node(header.nodes).bits()), "a link to an impossible node (0)");
+  EXPECT_EQ(forge(first_link, ChildLink::leaf(ChildLink::max_place, 8).bits()),
+            "a leaf outside the triangles (268435455)");
+  EXPECT_EQ(forge(offsetof(WideNode, order), 0),
+            "a node whose visiting order does not name each child once (0)");
+}
+
+// Large enough to be read and checked in many parts at once.
+TEST(KerfFile, OfALargeFileTheFirstThatIsWrongIsNamedWhoeverSawItFirst) {
+  const Bvh bvh = build(workbench::make_torus(256, 192).mesh());
+  const TemporaryDirectory directory;
+  bvh.save(directory / "large.kerf");
+  const std::string file = read_bytes(directory / "large.kerf");
+  ASSERT_GT(file.size(), std::size_t{1} << 22);
+  EXPECT_EQ(saved(Bvh::load(directory / "large.kerf")), file);
+
+  FileHeader header;
+  std::memcpy(&header, file.data(), sizeof header);
+  ASSERT_GT(header.nodes, 1024u);
+  std::string changed = file;
+  const auto spoil = [&](std::uint32_t node) {
+    const std::size_t order =
+        FileLayout(header).nodes_at + node * sizeof(WideNode) + offsetof(WideNode, order);
+    std::memset(changed.data() + order, 0, sizeof(std::uint64_t));
+    forged::sign(std::as_writable_bytes(std::span(changed)));
+    return error_of([&] { forged::load(bytes_of(changed)); }).second;
+  };
+  for (const std::uint32_t node : {header.nodes - 1, header.nodes / 2, header.nodes / 3}) {
+    const std::string sentence = "a node whose visiting order does not name each child once";
+    EXPECT_EQ(spoil(node), sentence + " (" + std::to_string(node) + ")");
+  }
+}
+
+}  // namespace
+}  // namespace kerf

@@ -1,0 +1,144 @@
+#include "layout/collapse.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <span>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include "construction/construct.hpp"
+#include "support/random_triangles.hpp"
+
+namespace {
+
+using kerf::BinaryTree;
+using kerf::Collapse;
+using kerf::CollapseCosts;
+
+BinaryTree tree_of(const kerf_tests::Mesh& mesh) {
+  const kerf::TriangleMesh view = mesh.mesh();
+  return kerf::build_tree(kerf::Geometry(std::span(&view, 1)), {.threads = 1});
+}
+
+std::uint32_t references_below(const BinaryTree& tree, std::uint32_t node) {
+  const kerf::BinaryNode& binary = tree.nodes[node];
+  return binary.is_leaf() ? binary.count
+                          : references_below(tree, binary.left()) + references_below(tree, binary.right());
+}
+
+double area(const BinaryTree& tree, std::uint32_t node) {
+  return double{half_area(tree.nodes[node].bounds)};
+}
+
+double leaf_cost(const BinaryTree& tree, std::uint32_t node) {
+  const CollapseCosts costs;
+  return area(tree, node) * (double{costs.leaf} + double{costs.triangle} * references_below(tree, node));
+}
+
+// The definition, word by word, in double precision.
+struct Oracle {
+  const BinaryTree& tree;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, double> known{};
+
+  double distribute(std::uint32_t node, std::uint32_t slots) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t k = 1; k < slots; ++k) {
+      least = std::min(least, cost(tree.nodes[node].left(), k) + cost(tree.nodes[node].right(), slots - k));
+    }
+    return least;
+  }
+
+  double cost(std::uint32_t node, std::uint32_t slots) {
+    if (tree.nodes[node].is_leaf()) return leaf_cost(tree, node);
+    if (const auto found = known.find({node, slots}); found != known.end()) return found->second;
+    double least;
+    if (slots == 1) {
+      least = area(tree, node) + distribute(node, Collapse::slots);
+      if (references_below(tree, node) <= 8) least = std::min(least, leaf_cost(tree, node));
+    } else {
+      least = std::min(distribute(node, slots), cost(node, slots - 1));
+    }
+    return known[{node, slots}] = least;
+  }
+};
+
+// What the wide tree costs that the collapse has chosen; checks that every leaf is one that may be.
+double chosen_cost(const Collapse& collapse, const BinaryTree& tree, std::uint32_t node) {
+  const Collapse::Children children = collapse.children(node);
+  EXPECT_GE(children.count, 2u);
+  EXPECT_LE(children.count, Collapse::slots);
+  double cost = area(tree, node);
+  for (std::uint32_t i = 0; i < children.count; ++i) {
+    const std::uint32_t child = children.node[i];
+    if (collapse.is_leaf(child)) {
+      EXPECT_LE(references_below(tree, child), 8u);
+      EXPECT_EQ(collapse.few_references(child), references_below(tree, child));
+      cost += leaf_cost(tree, child);
+    } else {
+      cost += chosen_cost(collapse, tree, child);
+    }
+  }
+  return cost;
+}
+
+TEST(Collapse, NoOtherWideTreeIsCheaper) {
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+    const BinaryTree tree = tree_of(kerf_tests::random_triangles(40 * seed, 0.3f, 0.1f, seed));
+    Oracle oracle{tree};
+    const double best = area(tree, 0) + oracle.distribute(0, Collapse::slots);
+    EXPECT_NEAR(chosen_cost(Collapse(tree), tree, 0), best, 1e-5 * best) << "seed " << seed;
+  }
+}
+
+TEST(Collapse, AnyInstructionSetMakesTheSameChoices) {
+  const BinaryTree tree = tree_of(kerf_tests::random_triangles(2000, 0.3f, 0.1f));
+  const Collapse best(tree);
+  for (const std::int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
+    hwy::SetSupportedTargetsForTest(0);
+    if ((hwy::SupportedTargets() & target) == 0) continue;
+    hwy::SetSupportedTargetsForTest(target);
+    const Collapse other(tree);
+    for (std::uint32_t node = 0; node < tree.nodes.size(); ++node) {
+      const Collapse::Children ours = best.children(node), theirs = other.children(node);
+      ASSERT_EQ(ours.count, theirs.count) << hwy::TargetName(target);
+      ASSERT_TRUE(std::equal(ours.node.begin(), ours.node.begin() + ours.count, theirs.node.begin()));
+      ASSERT_EQ(best.is_leaf(node), other.is_leaf(node));
+    }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+// Only then may the layout leave out the search for triangles that stand twice in a leaf.
+TEST(Collapse, NoTriangleStandsTwiceBelowANodeOfFewerReferencesThanTheLeastDivided) {
+  kerf_tests::Mesh mesh = kerf_tests::random_triangles(4000, 0.02f, 0.02f);
+  const kerf_tests::Mesh large = kerf_tests::random_triangles(40, 1.0f, 1.0f, 2);
+  for (const auto& [a, b, c] : large.triangles) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.vertices.insert(mesh.vertices.end(), {large.vertices[a], large.vertices[b], large.vertices[c]});
+  }
+  const BinaryTree tree = tree_of(mesh);
+  ASSERT_GT(tree.least_divided, 8u);
+  ASSERT_GT(tree.references.size(), mesh.triangles.size()) << "nothing was divided";
+  for (const kerf::BinaryNode& root : tree.nodes) {
+    std::vector<std::uint32_t> ids;
+    const auto gather = [&](const auto& self, const kerf::BinaryNode& node) -> void {
+      if (!node.is_leaf()) {
+        self(self, tree.nodes[node.left()]);
+        self(self, tree.nodes[node.right()]);
+      } else {
+        ids.insert(ids.end(), tree.references.begin() + node.first,
+                   tree.references.begin() + node.first + node.count);
+      }
+    };
+    gather(gather, root);
+    if (ids.size() >= tree.least_divided) continue;
+    std::sort(ids.begin(), ids.end());
+    EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
+  }
+}
+
+}  // namespace

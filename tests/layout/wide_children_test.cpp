@@ -1,0 +1,79 @@
+#include "layout/wide_children.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+namespace {
+
+using kerf::BinaryNode;
+using kerf::WideNode;
+
+// Coordinates are few, so that many centers are equally far.
+std::vector<BinaryNode> random_children(std::mt19937& random, std::uint32_t count) {
+  std::uniform_int_distribution<int> coordinate(-3, 3), size(0, 2);
+  std::vector<BinaryNode> children(count);
+  for (BinaryNode& child : children) {
+    for (int axis = 0; axis < 3; ++axis) {
+      child.bounds.lower[axis] = static_cast<float>(coordinate(random)) * 0.3f;
+      child.bounds.upper[axis] = child.bounds.lower[axis] + static_cast<float>(size(random)) * 0.7f;
+    }
+    child.count = 1;
+  }
+  return children;
+}
+
+// A quarter of how far a center lies along the diagonal of an octant, in floats as the definition has it.
+float distance_along(const kerf::Box3f& box, unsigned octant) {
+  float sum = 0.0f;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float center = box.lower[axis] * 0.25f + box.upper[axis] * 0.25f;
+    sum += octant >> axis & 1 ? -center : center;
+  }
+  return sum;
+}
+
+std::uint64_t order_by_sorting(const std::vector<BinaryNode>& children, unsigned octant) {
+  std::vector<std::uint32_t> slots(kerf::wide_node_children);
+  std::iota(slots.begin(), slots.end(), 0u);
+  std::stable_sort(slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(children.size()),
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     return distance_along(children[a].bounds, octant) <
+                            distance_along(children[b].bounds, octant);
+                   });
+  std::uint64_t order = 0;
+  for (std::uint32_t place = 0; place < slots.size(); ++place)
+    order |= std::uint64_t{slots[place]} << (4 * place);
+  return order;
+}
+
+void expect_written(const std::vector<BinaryNode>& children) {
+  std::vector<const BinaryNode*> pointers;
+  for (const BinaryNode& child : children) pointers.push_back(&child);
+  WideNode node;
+  kerf::write_children(pointers.data(), static_cast<std::uint32_t>(children.size()), node);
+  for (std::uint32_t slot = 0; slot < kerf::wide_node_children; ++slot) {
+    EXPECT_EQ(kerf::child_box(node, slot), slot < children.size() ? children[slot].bounds : kerf::Box3f{});
+  }
+  for (unsigned octant = 0; octant < 8; ++octant)
+    EXPECT_EQ(node.order[octant], order_by_sorting(children, octant)) << "octant " << octant;
+}
+
+TEST(WideChildren, BoxesAndOrdersAreAsDefinedOnAnyInstructionSet) {
+  for (const std::int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
+    hwy::SetSupportedTargetsForTest(0);
+    if ((hwy::SupportedTargets() & target) == 0) continue;
+    SCOPED_TRACE(hwy::TargetName(target));
+    hwy::SetSupportedTargetsForTest(target);
+    std::mt19937 random(7);
+    for (int i = 0; i < 400; ++i)
+      expect_written(random_children(random, 1 + static_cast<std::uint32_t>(i) % kerf::wide_node_children));
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+}  // namespace

@@ -1,0 +1,143 @@
+// What `intersect` and `occluded` find, against rational arithmetic. They move each triangle's corners by
+// roundings, all triangles at a corner alike, so that a triangle must be hit where it is crossed at more than
+// that distance from its edges, and may be where it comes as near to the ray.
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "math/ray_box.hpp"
+#include "support/adversarial.hpp"
+#include "support/build_options.hpp"
+#include "support/exact_oracle.hpp"
+
+namespace kerf {
+namespace {
+
+using namespace adversarial;
+using exact::Number;
+using exact::Vector;
+
+Number largest(const Vector& a) {
+  return std::max({Number(abs(a.x)), Number(abs(a.y)), Number(abs(a.z))});
+}
+Number square(const Number& a) {
+  return a * a;
+}
+
+class HitOracle {
+ public:
+  HitOracle(const Soup& soup, const Box3f& bounds, const Ray& ray)
+      : soup_(soup), ray_(ray), origin_(exact::vector(ray.origin)), direction_(exact::vector(ray.direction)) {
+    const Number distance = std::max(largest(exact::vector(bounds.lower) - origin_),
+                                     largest(exact::vector(bounds.upper) - origin_));
+    tolerance_ = Number(RayBoxes::margin_of_distance * 0x1p-24f) * distance;
+  }
+
+  // Whether the point of the triangle that `hit` names is where the ray is at t.
+  bool may_be_hit(const Hit& hit) const {
+    const auto& [a, b, c] = soup_.triangles[hit.primitive];
+    const Number t = exact::number(hit.t), u = exact::number(hit.u), v = exact::number(hit.v);
+    const Vector at = origin_ + t * direction_;
+    const Vector on_triangle =
+        Number(1 - u - v) * exact::vector(a) + u * exact::vector(b) + v * exact::vector(c);
+    return largest(at - on_triangle) <= tolerance_ && hit.u >= 0.0f && hit.v >= 0.0f &&
+           hit.u + hit.v <= 1.000001f && hit.t >= ray_.t_min && hit.t <= ray_.t_max;
+  }
+
+  // Whether the ray crosses the triangle within its range and before `t`, clear of all of its edges.
+  bool must_be_hit_before(const Triangle& triangle, float t) const {
+    const exact::Crossing crossing = exact::cross_line(ray_.origin, ray_.direction, triangle);
+    if (crossing.meeting != exact::Meeting::interior) return false;
+    const Vector corners[3] = {exact::vector(triangle.v0) - origin_, exact::vector(triangle.v1) - origin_,
+                               exact::vector(triangle.v2) - origin_};
+    const Number clear = square(2 * tolerance_);
+    for (int i = 0; i < 3; ++i) {
+      const Vector &a = corners[i], &b = corners[(i + 1) % 3];
+      const Vector across = exact::cross(b - a, direction_);
+      if (square(exact::dot(direction_, exact::cross(a, b))) < clear * exact::dot(across, across))
+        return false;
+    }
+    // The distance that the triangle may have moved, seen along the ray.
+    const Vector normal = exact::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const Number moved =
+        clear * exact::dot(normal, normal) / square(exact::dot(normal, direction_));  // squared, as t
+    const auto clearly_before = [&](const Number& first, const Number& second) {
+      return first < second && square(second - first) > moved;
+    };
+    return clearly_before(exact::number(ray_.t_min), crossing.t) &&
+           (!std::isfinite(t) || clearly_before(crossing.t, exact::number(t)));
+  }
+
+ private:
+  const Soup& soup_;
+  const Ray& ray_;
+  Vector origin_, direction_;
+  Number tolerance_;
+};
+
+void expect_exact(const Soup& soup, const Bvh& bvh, const Ray& ray) {
+  const auto hit = bvh.intersect(ray);
+  ASSERT_EQ(bvh.occluded(ray), hit.has_value());
+  const HitOracle oracle(soup, bvh.bounds(), ray);
+  ASSERT_TRUE(!hit || oracle.may_be_hit(*hit)) << "triangle that may not be hit";
+  const float nearest = hit ? hit->t : ray.t_max;
+  for (std::size_t i = 0; i < soup.triangles.size(); ++i)
+    ASSERT_FALSE(oracle.must_be_hit_before(soup.triangles[i], nearest)) << "missed triangle " << i;
+}
+
+Soup slivers(std::mt19937& random, float thinness) {
+  return Soup([&] {
+    std::vector<Triangle> triangles;
+    while (triangles.size() < 40) {
+      const Vec3f a = uniform_point(random, 1.0f), b = uniform_point(random, 1.0f);
+      const Vec3f c = a + uniform(random, 0.0f, 1.0f) * (b - a) + uniform_point(random, thinness);
+      if (!collinear(a, b, c)) triangles.push_back({a, b, c});
+    }
+    return triangles;
+  }());
+}
+
+TEST(Intersect, HitsWhatMustBeHitAndNothingThatMayNot) {
+  std::mt19937 random(1);
+  for (const char* target : {"AVX3", "AVX2", "SSE4", "SCALAR"}) {
+    SCOPED_TRACE(target);
+    for (const float distance : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f}) {
+      for (const float thinness : {1.0f, 1e-8f}) {
+        const Soup triangles = slivers(random, thinness);
+        setenv("KERF_TARGET", target, 1);
+        const Bvh bvh = build(triangles.mesh(), spatial_splits_everywhere());
+        unsetenv("KERF_TARGET");
+        for (int i = 0; i < 30; ++i) {
+          Ray ray = aim(random, triangles.triangles[random() % 40], distance);
+          if (ray.direction == Vec3f{}) continue;
+          if (i % 4 == 1) ray.t_max = 1.0f;
+          if (i % 4 == 2) ray.t_min = 0.5f;
+          ASSERT_NO_FATAL_FAILURE(expect_exact(triangles, bvh, ray));
+        }
+      }
+    }
+  }
+}
+
+TEST(Intersect, HitsWhatMustBeHitFarFromTheOriginAndAtAnyScale) {
+  std::mt19937 random(2);
+  struct Place {
+    float offset, scale;
+  };
+  for (const auto& [at, size] :
+       {Place{1e4f, 1.0f}, Place{1e7f, 4.0f}, Place{0.0f, 1e-30f}, Place{0.0f, 1e30f}, Place{0.0f, 4e37f}}) {
+    const float offset = at, scale = size;  // a lambda cannot capture parts of a structured binding
+    const Soup triangles = soup(40, [&] {
+      return Vec3f{offset, -offset, offset} + uniform_point(random, scale);
+    });
+    const Bvh bvh = build(triangles.mesh(), spatial_splits_everywhere());
+    for (int i = 0; i < 60; ++i) {
+      const Ray ray = aim(random, triangles.triangles[random() % 40], i % 2 ? 1.0f : 0.1f);
+      if (ray.direction == Vec3f{} || !is_finite(ray.direction) || !is_finite(ray.origin)) continue;
+      ASSERT_NO_FATAL_FAILURE(expect_exact(triangles, bvh, ray));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kerf

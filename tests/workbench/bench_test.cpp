@@ -1,0 +1,153 @@
+#include "workbench/bench/bench.hpp"
+
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "workbench/bench/peers/embree.hpp"
+#include "workbench/bench/peers/kerf_engine.hpp"
+#include "workbench/bench/report.hpp"
+
+namespace workbench {
+namespace {
+
+BenchOptions short_run(unsigned threads) {
+  BenchOptions options;
+  options.threads = threads;
+  options.build_rounds = 1;
+  options.trace_rounds = 1;
+  options.trace_seconds = 0.0;
+  options.rays = {.width = 32, .height = 24};
+  return options;
+}
+
+std::vector<Engine> all_engines(unsigned threads) {
+  kerf::BuildOptions options;
+  options.threads = threads;
+  std::vector<Engine> engines{kerf_engine(options, "0")};
+  for (Engine& engine : embree_engines(threads)) engines.push_back(std::move(engine));
+  return engines;
+}
+
+TEST(Bench, AllEnginesHitTheSameOfTheSameRays) {
+  for (const unsigned threads : {1u, 2u}) {
+    const BenchScene figures =
+        bench_scene(load_scene("terrain:detail=0.01"), all_engines(threads), short_run(threads));
+    ASSERT_GE(figures.results.size(), 2u);
+    const BenchResult& first = figures.results[0];
+    ASSERT_EQ(first.rays.size(), 3u);
+    EXPECT_GT(first.rays[0].hits, 100u);
+    for (const BenchResult& result : figures.results) {
+      EXPECT_GT(result.build_ms, 0.0);
+      EXPECT_GT(result.bytes, 0u);
+      EXPECT_GE(result.build_peak_bytes, result.bytes);
+      for (std::size_t i = 0; i < first.rays.size(); ++i) {
+        EXPECT_EQ(result.rays[i].type, ray_types[i]);
+        EXPECT_EQ(result.rays[i].count, first.rays[i].count);
+        // A peer may let a ray through between two triangles.
+        EXPECT_NEAR(static_cast<double>(result.rays[i].hits), static_cast<double>(first.rays[i].hits), 2.0)
+            << result.engine << " " << name(ray_types[i]);
+      }
+    }
+  }
+}
+
+TEST(Bench, WithEmbreeHasEveryEngineOfTheContract) {
+  if (embree_engines(1).empty()) GTEST_SKIP() << "built without Embree";
+  const BenchScene figures = bench_scene(load_scene("terrain:detail=0.002"), all_engines(1), short_run(1));
+  std::set<std::string> found;
+  for (const BenchResult& result : figures.results) found.insert(result.engine + " " + result.mode);
+  for (const std::string expected : {"kerf single", "kerf batch", "embree-high single",
+                                     "embree-high-robust single", "embree-medium single"}) {
+    EXPECT_TRUE(found.contains(expected)) << expected;
+  }
+}
+
+// One scene, on which kerf is `factor` times as fast as the peer.
+BenchScene made_up(const std::string& name, double factor) {
+  BenchScene scene{.name = name, .triangles = 10, .results = {}};
+  for (const bool kerf : {true, false}) {
+    BenchResult result{.engine = kerf ? "kerf" : "peer",
+                       .mode = "single",
+                       .build_ms = kerf ? 1.0 : 3.0,
+                       .bytes = kerf ? 50u : 100u,
+                       .build_peak_bytes = 200,
+                       .rays = {}};
+    for (const RayType type : ray_types) {
+      result.rays.push_back({.type = type, .count = 5, .hits = 4, .mrays_per_s = kerf ? factor : 1.0});
+    }
+    scene.results.push_back(result);
+  }
+  return scene;
+}
+
+TEST(Bench, RatiosAreGeometricMeansAndLeastCells) {
+  const BenchScene scenes[] = {made_up("slow", 0.5), made_up("fast", 8.0)};
+  const std::vector<Ratios> ratios = ratios_to_peers(scenes);
+  ASSERT_EQ(ratios.size(), 1u);
+  EXPECT_EQ(ratios[0].peer, "peer");
+  EXPECT_NEAR(ratios[0].mean, 2.0, 1e-12);
+  EXPECT_NEAR(ratios[0].primary_mean, 2.0, 1e-12);
+  EXPECT_EQ(ratios[0].least, 0.5);
+  EXPECT_EQ(ratios[0].least_scene, "slow");
+  EXPECT_NEAR(ratios[0].build_mean, 3.0, 1e-12);
+  EXPECT_EQ(ratios[0].bytes_most, 0.5);
+  EXPECT_EQ(ratios[0].peak_bytes_most, 1.0);
+}
+
+TEST(Bench, JsonHasTheKeysOfTheContract) {
+  const BenchScene scenes[] = {made_up("one", 1.0)};
+  const auto json = to_json(scenes, "0.1.0", 2);
+  EXPECT_EQ(json["kerf"], "0.1.0");
+  EXPECT_EQ(json["threads"], 2);
+  EXPECT_EQ(json["scenes"][0]["name"], "one");
+  EXPECT_EQ(json["scenes"][0]["triangles"], 10);
+  const auto& result = json["scenes"][0]["results"][1];
+  EXPECT_EQ(result["engine"], "peer");
+  EXPECT_EQ(result["mode"], "single");
+  EXPECT_EQ(result["build_ms"], 3.0);
+  EXPECT_EQ(result["bytes"], 100);
+  EXPECT_EQ(result["build_peak_bytes"], 200);
+  for (const char* type : {"primary", "ao", "diffuse"}) {
+    EXPECT_EQ(result["rays"][type]["count"], 5);
+    EXPECT_EQ(result["rays"][type]["hits"], 4);
+    EXPECT_EQ(result["rays"][type]["mrays_per_s"], 1.0);
+  }
+}
+
+TEST(Bench, LimitsAreMeasuredWhereTheyAreAskedFor) {
+  BenchOptions options = short_run(1);
+  const Scene scene = load_scene("terrain:detail=0.01");
+  const std::vector<Engine> kerf_alone{kerf_engine({.threads = 1}, "0")};
+  EXPECT_FALSE(bench_scene(scene, kerf_alone, options).limits);
+  options.limits = true;
+  const BenchScene figures = bench_scene(scene, kerf_alone, options);
+  ASSERT_TRUE(figures.limits);
+  EXPECT_GT(figures.limits->times.node_ns, 0.0);
+  EXPECT_GT(figures.limits->times.leaf_ns, 0.0);
+  const kerf::Bvh bvh = kerf::build(scene.mesh());
+  for (std::size_t i = 0; i < std::size(ray_types); ++i) {
+    const StepCounts counts = count_steps(bvh, make_rays(scene, bvh, ray_types[i], options.rays));
+    EXPECT_EQ(figures.limits->counts[i].nodes, counts.nodes);
+    EXPECT_EQ(figures.limits->counts[i].leaves, counts.leaves);
+    EXPECT_GT(counts.nodes, 1.0);
+  }
+}
+
+TEST(Bench, TheFloorIsWhatTheStepsCostAndEfficiencyItsPartOfTheTime) {
+  BenchScene scene = made_up("one", 20.0);  // 50 ns a ray
+  scene.limits = {.times = {.node_ns = 3.0, .leaf_ns = 5.0}, .counts = {}};
+  scene.limits->counts[1] = {.nodes = 5.0, .leaves = 2.0};
+  const auto json = to_json(std::span(&scene, 1), "0.1.0", 1)["scenes"][0]["limits"];
+  EXPECT_EQ(json["node_ns"], 3.0);
+  EXPECT_EQ(json["leaf_ns"], 5.0);
+  EXPECT_EQ(json["rays"]["ao"]["steps"], 5.0);
+  EXPECT_EQ(json["rays"]["ao"]["leaves"], 2.0);
+  EXPECT_EQ(json["rays"]["ao"]["floor_ns"], 25.0);
+  EXPECT_NEAR(json["rays"]["ao"]["efficiency"]["single"], 0.5, 1e-12);
+  EXPECT_NE(format_bench(std::span(&scene, 1), Emphasis::mark).find("25.0"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace workbench

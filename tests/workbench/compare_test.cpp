@@ -1,0 +1,78 @@
+// What `compare` measures, against brute force over all triangles.
+#include "workbench/compare/compare.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/brute_force.hpp"
+#include "workbench/compare/trace.hpp"
+
+using namespace workbench;
+
+namespace {
+
+const CompareOptions quick{.threads = 2, .rays = {.width = 16, .height = 16}, .seconds_per_type = 0.0};
+
+std::vector<Contender> all_builders() {
+  std::vector<Contender> contenders;
+  for (const kerf::Builder builder :
+       {kerf::Builder::bvh, kerf::Builder::sbvh, kerf::Builder::esc, kerf::Builder::evh}) {
+    contenders.push_back({.name = std::string(name(builder)), .options = {.builder = builder}});
+  }
+  return contenders;
+}
+
+}  // namespace
+
+TEST(Compare, EveryHitOfEveryBuilderIsThatOfBruteForce) {
+  for (const char* spec : {"sticks:detail=0.02,rotate=30", "atrium:detail=0.01"}) {
+    const Scene scene = load_scene(spec);
+    const Comparison comparison = compare(scene, all_builders(), quick);
+    EXPECT_EQ(comparison.figures.disagreements(), 0u);
+    for (const RayType type : ray_types) {
+      const RaySet set = make_rays(scene, comparison.hierarchies.front(), type, quick.rays);
+      std::vector<kerf::Hit> expected;
+      std::size_t hits = 0;
+      for (const kerf::Ray& ray : set.rays) {
+        expected.push_back(brute_force(scene.mesh(), ray).value_or(kerf::Hit{}));
+        hits += static_cast<bool>(expected.back());
+      }
+      for (std::size_t i = 0; i < comparison.hierarchies.size(); ++i) {
+        const CountedPass pass = trace_counted(comparison.hierarchies[i], set, 1);
+        const BuilderFigures& figures = comparison.figures.builders[i];
+        EXPECT_EQ(figures.rays[static_cast<std::size_t>(type)].hits, hits) << spec << " " << figures.name;
+        for (std::size_t r = 0; r < set.rays.size(); ++r) {
+          EXPECT_EQ(static_cast<bool>(pass.hits[r]), static_cast<bool>(expected[r])) << r;
+          if (!set.any_hit()) {
+            EXPECT_EQ(pass.hits[r], expected[r]) << spec << " " << figures.name << " ray " << r;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Compare, EscAndEvhHaveTheReferencesOfTheSbvh) {
+  for (const char* spec : {"sticks:detail=0.05", "conference:detail=0.05"}) {
+    const Comparison comparison = compare(load_scene(spec), all_builders(), quick);
+    const auto& builders = comparison.figures.builders;
+    EXPECT_GT(builders[1].references, builders[0].references);
+    for (const std::size_t presplit : {std::size_t{2}, std::size_t{3}}) {
+      EXPECT_NEAR(static_cast<double>(builders[presplit].references),
+                  static_cast<double>(builders[1].references),
+                  0.002 * static_cast<double>(builders[1].references))
+          << spec << " " << builders[presplit].name;
+    }
+  }
+}
+
+TEST(Compare, ProgressNeverFallsAndEndsAtOne) {
+  CompareOptions options = quick;
+  double last = 0.0;
+  options.progress = [&](double part, std::string_view what) {
+    EXPECT_GE(part, last) << what;
+    EXPECT_LE(part, 1.0) << what;
+    last = part;
+  };
+  compare(load_scene("sticks:detail=0.01"), all_builders(), options);
+  EXPECT_EQ(last, 1.0);
+}

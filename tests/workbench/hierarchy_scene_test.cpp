@@ -1,0 +1,62 @@
+// A .kerf file where a scene may stand.
+#include <gtest/gtest.h>
+#include <kerf/kerf.hpp>
+
+#include "math/vec3f.hpp"
+#include "support/temporary_directory.hpp"
+#include "workbench/generate/solids.hpp"
+#include "workbench/scene/scene.hpp"
+
+namespace workbench {
+namespace {
+
+TEST(LoadScene, AKerfFileHasTheTrianglesThatWereSavedInTheirPlaces) {
+  Solid sphere = make_sphere(2);
+  const Solid box = make_box({-1, -1, -1}, {1, 1, 1}, 2);
+  sphere.triangles[7] = {1, 1, 2};  // degenerate
+  const kerf::TriangleMesh meshes[] = {sphere.mesh(), box.mesh()};
+  const kerf::Bvh bvh = kerf::build(meshes);
+  const TemporaryDirectory directory;
+  bvh.save(directory / "two.kerf");
+
+  const Scene scene = load_scene((directory / "two.kerf").string());
+  ASSERT_EQ(scene.triangles.size(), sphere.triangles.size() + box.triangles.size());
+  EXPECT_GE(scene.viewpoints.size(), 3u);
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    const bool first = i < sphere.triangles.size();
+    const Solid& solid = first ? sphere : box;
+    const auto& indices = solid.triangles[first ? i : i - sphere.triangles.size()];
+    for (std::size_t k = 0; k < 3 && i != 7; ++k) {
+      ASSERT_EQ(scene.vertices[scene.triangles[i][k]], solid.vertices[indices[k]]);
+    }
+  }
+  ASSERT_TRUE(scene.hierarchy.has_value());
+  const kerf::Ray ray{.origin = {0.1f, 0.2f, 5}, .direction = {0, 0, -1}};
+  auto expected = bvh.intersect(ray);
+  ASSERT_TRUE(expected.has_value());
+  if (expected->mesh == 1) expected->primitive += static_cast<std::uint32_t>(sphere.triangles.size());
+  expected->mesh = 0;
+  EXPECT_EQ(scene.hierarchy->intersect(ray), expected);
+  EXPECT_EQ(kerf::build(scene.mesh()).statistics().degenerate_triangles, 1u);
+  EXPECT_FALSE(load_scene((directory / "two.kerf").string() + ":rotate=30").hierarchy.has_value());
+}
+
+TEST(LoadScene, AKerfFileThatIsNoneSaysSo) {
+  const TemporaryDirectory directory;
+  write_bytes(directory / "bad.kerf", "v 0 0 0\n");
+  kerf::Bvh().save(directory / "empty.kerf");
+  const auto sentence = [&](const std::string& name) -> std::string {
+    try {
+      (void)load_scene((directory / name).string());
+    } catch (const kerf::Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(sentence("bad.kerf"), (directory / "bad.kerf").string() + ": this is not a .kerf file");
+  EXPECT_EQ(sentence("empty.kerf"), (directory / "empty.kerf").string() + ": has no triangles");
+  EXPECT_EQ(sentence("missing.kerf"), (directory / "missing.kerf").string() + ": no such file");
+}
+
+}  // namespace
+}  // namespace workbench

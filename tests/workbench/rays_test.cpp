@@ -1,0 +1,112 @@
+#include "workbench/rays/rays.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <kerf/kerf.hpp>
+
+#include "math/box3f.hpp"
+#include "workbench/generate/solids.hpp"
+#include "workbench/scene/viewpoints.hpp"
+
+namespace workbench {
+namespace {
+
+using namespace kerf;
+
+Scene scene_of(Solid solid) {
+  Scene scene{.name = "solid",
+              .vertices = std::move(solid.vertices),
+              .triangles = std::move(solid.triangles),
+              .viewpoints = {}};
+  scene.viewpoints = {{.position = {0, 0, 0}, .target = {0.3f, 0.2f, 1}}};
+  return scene;
+}
+
+TEST(Rays, PrimaryOnesRunThroughPixelsTileAfterTile) {
+  const Scene scene = scene_of(make_sphere(2));
+  const RaySet set = make_rays(scene, Bvh(), RayType::primary, {.width = 20, .height = 12});
+  ASSERT_EQ(set.rays.size(), 240u);
+  // The first 64 rays keep within an 8 by 8 corner of the picture: 20 by 12 pixels spread over 60 degrees
+  // upright.
+  float widest = 1.0f;
+  for (std::size_t i = 0; i < 64; ++i)
+    widest = std::min(widest, dot(set.rays[0].direction, set.rays[i].direction));
+  EXPECT_GT(widest, std::cos(0.02f + std::sqrt(2.0f) * 8.0f / 12.0f * 2.0f * std::tan(3.14159f / 6.0f)));
+  EXPECT_FALSE(set.any_hit());
+  EXPECT_TRUE(make_rays(scene, build(scene.mesh()), RayType::ao).any_hit());
+}
+
+TEST(Rays, SecondaryOnesLeaveFromEveryPrimaryHitWithoutHittingItAgain) {
+  for (const float scale : {1e-3f, 1.0f, 1e5f}) {
+    for (const float shift : {0.0f, 100.0f}) {
+      SCOPED_TRACE(testing::Message() << "scale " << scale << ", shift " << shift);
+      const Vec3f center = (shift * scale) * Vec3f{1, -2, 1};
+      Scene scene = scene_of(make_sphere(4, scale, center));
+      // From outside: all that leaves a convex body's outside escapes.
+      scene.viewpoints = choose_viewpoints(scene.mesh());
+      scene.viewpoints.erase(scene.viewpoints.begin(), scene.viewpoints.begin() + 3);
+      const Bvh bvh = build(scene.mesh());
+      const RaySet primary = make_rays(scene, bvh, RayType::primary, {.width = 64, .height = 48});
+      std::size_t hits = 0;
+      for (const Ray& ray : primary.rays) hits += bvh.intersect(ray).has_value();
+      for (const RayType type : {RayType::ao, RayType::diffuse}) {
+        const RaySet set = make_rays(scene, bvh, type, {.width = 64, .height = 48});
+        EXPECT_EQ(set.rays.size(), hits);
+        for (const Ray& ray : set.rays) ASSERT_FALSE(bvh.occluded(ray));
+      }
+    }
+  }
+}
+
+TEST(Rays, SecondaryOnesAreCosineDistributed) {
+  const Scene scene = scene_of(make_box({-1, -1, -1}, {1, 1, 1}));
+  const Bvh bvh = build(scene.mesh());
+  const RaySet set = make_rays(scene, bvh, RayType::diffuse);
+  ASSERT_EQ(set.rays.size(), 256u * 192u);
+  // The mean of cos is 2/3 and that of cos^2 is 1/2 where the density is proportional to cos. The wall that a
+  // ray leaves is across the axis on which its origin is largest, but for rays from near an edge of the box.
+  double count = 0.0, sum = 0.0, sum_of_squares = 0.0;
+  for (const Ray& ray : set.rays) {
+    EXPECT_NEAR(length(ray.direction), 1.0f, 1e-5f);
+    int near_walls = 0, axis = 0;
+    for (int i = 0; i < 3; ++i) {
+      if (std::abs(ray.origin[i]) < 0.999f) continue;
+      ++near_walls;
+      axis = i;
+    }
+    if (near_walls != 1) continue;
+    const double cosine = ray.direction[axis] * (ray.origin[axis] > 0 ? -1.0 : 1.0);
+    ASSERT_GE(cosine, 0.0);
+    ++count;
+    sum += cosine;
+    sum_of_squares += cosine * cosine;
+  }
+  EXPECT_GT(count, 0.98 * static_cast<double>(set.rays.size()));
+  EXPECT_NEAR(sum / count, 2.0 / 3.0, 0.005);
+  EXPECT_NEAR(sum_of_squares / count, 0.5, 0.005);
+}
+
+TEST(Rays, AmbientOcclusionReachesAQuarterOfTheDiagonal) {
+  const Scene scene = scene_of(make_box({-1, -2, -2}, {1, 2, 2}));
+  const Bvh bvh = build(scene.mesh());
+  for (const Ray& ray : make_rays(scene, bvh, RayType::ao).rays) ASSERT_FLOAT_EQ(ray.t_max, 0.25f * 6.0f);
+  for (const Ray& ray : make_rays(scene, bvh, RayType::diffuse).rays) ASSERT_TRUE(std::isinf(ray.t_max));
+}
+
+TEST(Rays, AreTheSameForEveryHierarchyOfTheScene) {
+  const Scene scene = scene_of(make_torus(64, 32));
+  const Bvh first = build(scene.mesh()),
+            second = build(scene.mesh(), {.builder = Builder::bvh, .progress = {}});
+  for (const RayType type : ray_types) {
+    const RaySet a = make_rays(scene, first, type), b = make_rays(scene, second, type);
+    ASSERT_EQ(a.rays.size(), b.rays.size());
+    for (std::size_t i = 0; i < a.rays.size(); ++i) {
+      ASSERT_EQ(a.rays[i].origin, b.rays[i].origin);
+      ASSERT_EQ(a.rays[i].direction, b.rays[i].direction);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace workbench

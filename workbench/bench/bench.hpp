@@ -1,0 +1,58 @@
+// kerf beside its peers: build time, memory and speed on the same mesh and the same rays, in the same run.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "workbench/bench/limits.hpp"
+#include "workbench/bench/peers/engine.hpp"
+#include "workbench/rays/rays.hpp"
+#include "workbench/scene/scene.hpp"
+
+namespace workbench {
+
+struct BenchRays {
+  RayType type = RayType::primary;
+  std::size_t count = 0;
+  std::size_t hits = 0;
+  double mrays_per_s = 0.0;
+};
+
+/// One way of tracing the structure of one engine.
+struct BenchResult {
+  std::string engine;
+  std::string mode;
+  double build_ms = 0.0;
+  std::size_t bytes = 0;
+  std::size_t build_peak_bytes = 0;
+  std::vector<BenchRays> rays;  ///< in the order of `ray_types`
+};
+
+struct BenchScene {
+  std::string name;
+  std::size_t triangles = 0;
+  double sah = 0.0;            ///< of kerf's tree
+  std::size_t references = 0;  ///< of kerf's tree
+  std::vector<BenchResult> results;
+  std::optional<Limits> limits = {};  ///< of kerf, where they were asked for
+};
+
+struct BenchOptions {
+  unsigned threads = 1;
+  unsigned build_rounds = 5;   ///< the best of them counts; one more comes before to warm up
+  unsigned trace_rounds = 5;   ///< at least; likewise
+  double trace_seconds = 2.0;  ///< further rounds until those of one type of rays took as long
+  RaySetOptions rays;
+  bool limits = false;  ///< measure how fast kerf could be at best, too
+  std::function<void(double part, std::string_view what)> progress;
+};
+
+/// Engines take turns, round after round, so that what slows the machine for a while slows all of them.
+BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, const BenchOptions& options);
+
+}  // namespace workbench

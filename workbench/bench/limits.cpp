@@ -1,0 +1,80 @@
+#include "workbench/bench/limits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <kerf/kerf.hpp>
+
+#include "stages.hpp"
+#include "structure.hpp"
+#include "traversal/dispatch.hpp"
+
+namespace workbench {
+namespace {
+
+using namespace kerf;
+
+// Some microseconds a run: short enough that the best of many is undisturbed.
+constexpr std::size_t steps_a_run = 2000;
+constexpr int runs = 200;
+
+template <class Run>
+double best_ns_a_step(const Run& run) {
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < runs; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    run();
+    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  return 1e9 * best / steps_a_run;
+}
+
+// Thirty-two layers of one triangle each, one behind the other along z: enough for a node with several
+// leaves, which a ray along z all meets.
+Bvh layers() {
+  constexpr std::uint32_t count = 32;
+  std::vector<Vec3f> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto z = static_cast<float>(i);
+    vertices.insert(vertices.end(), {{0.0f, 0.0f, z}, {1.0f, 0.0f, z}, {0.0f, 1.0f, z}});
+    triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return build({.vertices = vertices, .triangles = triangles});
+}
+
+}  // namespace
+
+StepTimes measure_steps() {
+  const Bvh bvh = layers();
+  const WideBvh& wide = bvh.structure().wide;
+  const Kernels& kernels = *bvh.structure().kernels;
+  // Within the layers' boxes, beside their triangles.
+  const Ray ray{.origin = {0.9f, 0.9f, -1.0f}, .direction = {0.01f, 0.01f, 1.0f}};
+  const auto leaf = std::find_if(std::begin(wide.nodes[0].children), std::end(wide.nodes[0].children),
+                                 [](ChildLink child) { return child.is_leaf(); });
+  StepTimes times;
+  times.node_ns = best_ns_a_step([&] { kernels.repeat_node_steps(wide, ray, steps_a_run); });
+  times.leaf_ns = best_ns_a_step([&] { kernels.repeat_leaf_tests(wide, ray, *leaf, steps_a_run); });
+  return times;
+}
+
+StepCounts count_steps(const Bvh& bvh, const RaySet& set) {
+  TraversalCounters counters;
+  for (const Ray& ray : set.rays) {
+    if (set.any_hit()) {
+      occluded_counted(bvh, ray, counters);
+    } else {
+      intersect_counted(bvh, ray, counters);
+    }
+  }
+  const double rays = static_cast<double>(std::max<std::size_t>(set.rays.size(), 1));
+  return {.nodes = static_cast<double>(counters.steps) / rays,
+          .leaves = static_cast<double>(counters.leaves) / rays};
+}
+
+}  // namespace workbench

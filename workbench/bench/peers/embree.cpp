@@ -1,0 +1,279 @@
+#include "workbench/bench/peers/embree.hpp"
+
+#if KERF_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+#include <atomic>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include <kerf/error.hpp>
+
+#include "workbench/bench/peers/flush_denormals.hpp"
+#include "workbench/bench/peers/ray_blocks.hpp"
+
+namespace workbench {
+namespace {
+
+// What the memory monitor was told.
+struct Memory {
+  std::atomic<std::ptrdiff_t> now{0};
+  std::atomic<std::ptrdiff_t> peak{0};
+
+  static bool monitor(void* self, ssize_t bytes, bool) {
+    Memory& memory = *static_cast<Memory*>(self);
+    const std::ptrdiff_t now = memory.now.fetch_add(bytes) + bytes;
+    std::ptrdiff_t peak = memory.peak.load();
+    while (now > peak && !memory.peak.compare_exchange_weak(peak, now)) {
+    }
+    return true;
+  }
+};
+
+struct Device {
+  Memory memory;
+  RTCDevice handle;
+
+  explicit Device(unsigned threads) {
+    handle = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
+    if (handle == nullptr) throw kerf::Error(kerf::Error::invalid_argument, "Embree cannot make a device");
+    rtcSetDeviceMemoryMonitorFunction(handle, Memory::monitor, &memory);
+  }
+  ~Device() { rtcReleaseDevice(handle); }
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+};
+
+struct Quality {
+  RTCBuildQuality build;
+  RTCSceneFlags flags;
+};
+
+struct Scene {
+  std::shared_ptr<Device> device;
+  RTCScene handle;
+
+  Scene(std::shared_ptr<Device> on, const kerf::TriangleMesh& mesh, Quality quality)
+      : device(std::move(on)), handle(rtcNewScene(device->handle)) {
+    rtcSetSceneBuildQuality(handle, quality.build);
+    rtcSetSceneFlags(handle, quality.flags);
+    RTCGeometry geometry = rtcNewGeometry(device->handle, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices.data(),
+                               0, mesh.vertices.stride(), mesh.vertices.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                               mesh.triangles.stride(), mesh.triangles.size());
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(handle, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(handle);
+    if (rtcGetDeviceError(device->handle) != RTC_ERROR_NONE) {
+      rtcReleaseScene(handle);
+      throw kerf::Error(kerf::Error::invalid_argument, "Embree cannot build this scene");
+    }
+  }
+  ~Scene() { rtcReleaseScene(handle); }
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+};
+
+// The one difference between the versions that matters here: how a query is given its flags.
+#if KERF_EMBREE_MAJOR >= 4
+struct Query {
+  RTCIntersectArguments intersect;
+  RTCOccludedArguments occluded;
+
+  explicit Query(RTCRayQueryFlags flags) {
+    rtcInitIntersectArguments(&intersect);
+    rtcInitOccludedArguments(&occluded);
+    intersect.flags = occluded.flags = flags;
+  }
+};
+constexpr RTCRayQueryFlags coherent = RTC_RAY_QUERY_FLAG_COHERENT, incoherent = RTC_RAY_QUERY_FLAG_INCOHERENT;
+
+void intersect1(const Scene& scene, Query& query, RTCRayHit& ray) {
+  rtcIntersect1(scene.handle, &ray, &query.intersect);
+}
+void occluded1(const Scene& scene, Query& query, RTCRay& ray) {
+  rtcOccluded1(scene.handle, &ray, &query.occluded);
+}
+void intersect16(const int* valid, const Scene& scene, Query& query, RTCRayHit16& rays) {
+  rtcIntersect16(valid, scene.handle, &rays, &query.intersect);
+}
+void occluded16(const int* valid, const Scene& scene, Query& query, RTCRay16& rays) {
+  rtcOccluded16(valid, scene.handle, &rays, &query.occluded);
+}
+#else
+struct Query {
+  RTCIntersectContext context;
+
+  explicit Query(RTCIntersectContextFlags flags) {
+    rtcInitIntersectContext(&context);
+    context.flags = flags;
+  }
+};
+constexpr RTCIntersectContextFlags coherent = RTC_INTERSECT_CONTEXT_FLAG_COHERENT,
+                                   incoherent = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+
+void intersect1(const Scene& scene, Query& query, RTCRayHit& ray) {
+  rtcIntersect1(scene.handle, &query.context, &ray);
+}
+void occluded1(const Scene& scene, Query& query, RTCRay& ray) {
+  rtcOccluded1(scene.handle, &query.context, &ray);
+}
+void intersect16(const int* valid, const Scene& scene, Query& query, RTCRayHit16& rays) {
+  rtcIntersect16(valid, scene.handle, &query.context, &rays);
+}
+void occluded16(const int* valid, const Scene& scene, Query& query, RTCRay16& rays) {
+  rtcOccluded16(valid, scene.handle, &query.context, &rays);
+}
+#endif
+
+// Embree marks what it found occluded with this.
+constexpr float occluded_t = -std::numeric_limits<float>::infinity();
+
+RTCRay to_embree(const kerf::Ray& ray) {
+  return {.org_x = ray.origin.x,
+          .org_y = ray.origin.y,
+          .org_z = ray.origin.z,
+          .tnear = ray.t_min,
+          .dir_x = ray.direction.x,
+          .dir_y = ray.direction.y,
+          .dir_z = ray.direction.z,
+          .time = 0.0f,
+          .tfar = ray.t_max,
+          .mask = 0xffffffffu,
+          .id = 0,
+          .flags = 0};
+}
+
+Tracer trace_single(std::shared_ptr<const Scene> scene, std::string engine, unsigned threads) {
+  return {.engine = std::move(engine),
+          .mode = "single",
+          .intersect =
+              [scene, threads](std::span<const kerf::Ray> rays, std::span<kerf::Hit> hits) {
+                for_ray_blocks(threads, rays.size(), [&](std::size_t begin, std::size_t end) {
+                  const FlushDenormals flush;
+                  Query query(incoherent);
+                  RTCRayHit ray;
+                  for (std::size_t i = begin; i < end; ++i) {
+                    ray.ray = to_embree(rays[i]);
+                    ray.hit.geomID = ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+                    intersect1(*scene, query, ray);
+                    hits[i] =
+                        ray.hit.geomID == RTC_INVALID_GEOMETRY_ID
+                            ? kerf::Hit{}
+                            : kerf::Hit{ray.ray.tfar, ray.hit.u, ray.hit.v, ray.hit.primID, ray.hit.geomID};
+                  }
+                });
+              },
+          .occluded =
+              [scene, threads](std::span<const kerf::Ray> rays, std::span<std::uint8_t> results) {
+                for_ray_blocks(threads, rays.size(), [&](std::size_t begin, std::size_t end) {
+                  const FlushDenormals flush;
+                  Query query(incoherent);
+                  for (std::size_t i = begin; i < end; ++i) {
+                    RTCRay ray = to_embree(rays[i]);
+                    occluded1(*scene, query, ray);
+                    results[i] = ray.tfar == occluded_t;
+                  }
+                });
+              }};
+}
+
+constexpr std::size_t packet_width = 16;
+
+// The rays `begin ..` as a packet; lanes past `end` are off.
+void fill_packet(std::span<const kerf::Ray> rays, std::size_t begin, std::size_t end, int* valid,
+                 RTCRay16& packet) {
+  for (std::size_t k = 0; k < packet_width; ++k) {
+    valid[k] = begin + k < end ? -1 : 0;
+    const kerf::Ray& ray = rays[begin + k < end ? begin + k : begin];
+    packet.org_x[k] = ray.origin.x;
+    packet.org_y[k] = ray.origin.y;
+    packet.org_z[k] = ray.origin.z;
+    packet.tnear[k] = ray.t_min;
+    packet.dir_x[k] = ray.direction.x;
+    packet.dir_y[k] = ray.direction.y;
+    packet.dir_z[k] = ray.direction.z;
+    packet.time[k] = 0.0f;
+    packet.tfar[k] = ray.t_max;
+    packet.mask[k] = 0xffffffffu;
+    packet.id[k] = 0;
+    packet.flags[k] = 0;
+  }
+}
+
+// Rays that are to find the closest hit are declared coherent: camera rays are, and for others the flag only
+// moves the point where Embree goes on ray by ray.
+Tracer trace_packets(std::shared_ptr<const Scene> scene, std::string engine, unsigned threads) {
+  return {.engine = std::move(engine),
+          .mode = "packet",
+          .intersect =
+              [scene, threads](std::span<const kerf::Ray> rays, std::span<kerf::Hit> hits) {
+                for_ray_blocks(threads, rays.size(), [&](std::size_t begin, std::size_t end) {
+                  const FlushDenormals flush;
+                  Query query(coherent);
+                  alignas(64) int valid[packet_width];
+                  alignas(64) RTCRayHit16 packet;
+                  for (std::size_t i = begin; i < end; i += packet_width) {
+                    fill_packet(rays, i, end, valid, packet.ray);
+                    for (std::size_t k = 0; k < packet_width; ++k) {
+                      packet.hit.geomID[k] = packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+                    }
+                    intersect16(valid, *scene, query, packet);
+                    for (std::size_t k = 0; k < packet_width && i + k < end; ++k) {
+                      hits[i + k] = packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID
+                                        ? kerf::Hit{}
+                                        : kerf::Hit{packet.ray.tfar[k], packet.hit.u[k], packet.hit.v[k],
+                                                    packet.hit.primID[k], packet.hit.geomID[k]};
+                    }
+                  }
+                });
+              },
+          .occluded =
+              [scene, threads](std::span<const kerf::Ray> rays, std::span<std::uint8_t> results) {
+                for_ray_blocks(threads, rays.size(), [&](std::size_t begin, std::size_t end) {
+                  const FlushDenormals flush;
+                  Query query(coherent);
+                  alignas(64) int valid[packet_width];
+                  alignas(64) RTCRay16 packet;
+                  for (std::size_t i = begin; i < end; i += packet_width) {
+                    fill_packet(rays, i, end, valid, packet);
+                    occluded16(valid, *scene, query, packet);
+                    for (std::size_t k = 0; k < packet_width && i + k < end; ++k) {
+                      results[i + k] = packet.tfar[k] == occluded_t;
+                    }
+                  }
+                });
+              }};
+}
+
+Engine embree_engine(std::string name, unsigned threads, Quality quality, bool packets) {
+  const auto device = std::make_shared<Device>(threads);
+  const auto build = [=](const kerf::TriangleMesh& mesh) {
+    const std::ptrdiff_t before = device->memory.now;
+    device->memory.peak = before;
+    const auto scene = std::make_shared<const Scene>(device, mesh, quality);
+    Traceable traceable{.bytes = static_cast<std::size_t>(device->memory.now - before),
+                        .build_peak_bytes = static_cast<std::size_t>(device->memory.peak - before),
+                        .tracers = {}};
+    traceable.tracers.push_back(trace_single(scene, name, threads));
+    if (packets) traceable.tracers.push_back(trace_packets(scene, name + "-packet", threads));
+    return traceable;
+  };
+  return {.name = name, .version = "Embree " RTC_VERSION_STRING, .build = build};
+}
+
+}  // namespace
+
+std::vector<Engine> embree_engines(unsigned threads) {
+  return {
+      embree_engine("embree-high", threads, {RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE}, true),
+      embree_engine("embree-high-robust", threads, {RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_ROBUST}, false),
+      embree_engine("embree-medium", threads, {RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_NONE}, false)};
+}
+
+}  // namespace workbench

@@ -1,0 +1,248 @@
+#include "workbench/bench/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "workbench/terminal/table.hpp"
+
+namespace workbench {
+namespace {
+
+bool is_kerf(const BenchResult& result) {
+  return result.engine == "kerf";
+}
+
+std::string label(const BenchResult& result) {
+  return is_kerf(result) ? result.engine + " " + result.mode : result.engine;
+}
+
+const BenchResult* find(const BenchScene& scene, std::string_view engine, std::string_view mode) {
+  for (const BenchResult& result : scene.results) {
+    if (result.engine == engine && result.mode == mode) return &result;
+  }
+  return nullptr;
+}
+
+class GeometricMean {
+ public:
+  void add(double value) {
+    sum_ += std::log(value);
+    ++count_;
+  }
+  double value() const { return count_ > 0 ? std::exp(sum_ / static_cast<double>(count_)) : 0.0; }
+
+ private:
+  double sum_ = 0.0;
+  std::size_t count_ = 0;
+};
+
+Ratios ratios(std::span<const BenchScene> scenes, const BenchResult& kerf, const BenchResult& peer) {
+  Ratios ratios{.mode = kerf.mode, .peer = peer.engine, .least_scene = {}};
+  ratios.least = ratios.build_least = std::numeric_limits<double>::infinity();
+  GeometricMean all, primary, builds;
+  for (const BenchScene& scene : scenes) {
+    const BenchResult* ours = find(scene, kerf.engine, kerf.mode);
+    const BenchResult* theirs = find(scene, peer.engine, peer.mode);
+    if (ours == nullptr || theirs == nullptr) continue;
+    for (std::size_t i = 0; i < ours->rays.size(); ++i) {
+      const double ratio = ours->rays[i].mrays_per_s / theirs->rays[i].mrays_per_s;
+      all.add(ratio);
+      if (ours->rays[i].type == RayType::primary) primary.add(ratio);
+      if (ratio < ratios.least) {
+        ratios.least = ratio;
+        ratios.least_scene = scene.name;
+        ratios.least_type = ours->rays[i].type;
+      }
+    }
+    const double build = theirs->build_ms / ours->build_ms;
+    builds.add(build);
+    ratios.build_least = std::min(ratios.build_least, build);
+    const auto share = [](std::size_t a, std::size_t b) {
+      return static_cast<double>(a) / static_cast<double>(b);
+    };
+    ratios.bytes_most = std::max(ratios.bytes_most, share(ours->bytes, theirs->bytes));
+    ratios.peak_bytes_most =
+        std::max(ratios.peak_bytes_most, share(ours->build_peak_bytes, theirs->build_peak_bytes));
+  }
+  ratios.mean = all.value();
+  ratios.primary_mean = primary.value();
+  ratios.build_mean = builds.value();
+  return ratios;
+}
+
+// Marks the cell of the row with the best value: the largest, or the smallest.
+void mark_best(Column& column, const std::vector<double>& values, bool largest) {
+  if (values.size() < 2) return;
+  const auto best = largest ? std::max_element(values.begin(), values.end())
+                            : std::min_element(values.begin(), values.end());
+  column.cells[static_cast<std::size_t>(best - values.begin())].best = true;
+}
+
+Column figures(const BenchScene& scene, std::string head, const char* form, bool largest,
+               const std::function<double(const BenchResult&)>& figure) {
+  Column column{.head = std::move(head), .cells = {}};
+  std::vector<double> values;
+  for (const BenchResult& result : scene.results) {
+    values.push_back(figure(result));
+    column.cells.push_back({fmt::format(fmt::runtime(form), values.back())});
+  }
+  mark_best(column, values, largest);
+  return column;
+}
+
+std::string format_scene(const BenchScene& scene, Emphasis emphasis) {
+  const auto triangles = static_cast<double>(scene.triangles);
+  Column engines{.head = "engine", .cells = {}, .left_aligned = true};
+  for (const BenchResult& result : scene.results) engines.cells.push_back({label(result)});
+  std::vector<Column> columns{
+      engines,
+      figures(scene, "build ms", "{:.1f}", false, [](const BenchResult& r) { return r.build_ms; }),
+      figures(scene, "bytes/tri", "{:.1f}", false,
+              [=](const BenchResult& r) { return static_cast<double>(r.bytes) / triangles; }),
+      figures(scene, "peak/tri", "{:.1f}", false,
+              [=](const BenchResult& r) { return static_cast<double>(r.build_peak_bytes) / triangles; }),
+  };
+  for (std::size_t i = 0; i < std::size(ray_types); ++i) {
+    columns.push_back(figures(scene, fmt::format("{} Mrays/s", name(ray_types[i])), "{:.2f}", true,
+                              [i](const BenchResult& r) { return r.rays[i].mrays_per_s; }));
+    columns.push_back(figures(scene, "hits", "{:.0f}", true,
+                              [i](const BenchResult& r) { return static_cast<double>(r.rays[i].hits); }));
+    for (Cell& cell : columns.back().cells) cell.best = false;
+  }
+  return fmt::format("{}: {} triangles, {} references, SAH {:.2f}\n{}\n", scene.name, scene.triangles,
+                     scene.references, scene.sah, format(columns, emphasis));
+}
+
+// What kerf could do at best, and which part of it is reached.
+std::string format_limits(const BenchScene& scene) {
+  if (!scene.limits) return {};
+  const Limits& limits = *scene.limits;
+  std::vector<Column> columns{{.head = "rays", .cells = {}, .left_aligned = true},
+                              {.head = "steps", .cells = {}},
+                              {.head = "leaves", .cells = {}},
+                              {.head = "floor ns", .cells = {}}};
+  for (std::size_t i = 0; i < std::size(ray_types); ++i) {
+    const StepCounts& counts = limits.counts[i];
+    columns[0].cells.push_back({std::string(name(ray_types[i]))});
+    columns[1].cells.push_back({fmt::format("{:.2f}", counts.nodes)});
+    columns[2].cells.push_back({fmt::format("{:.2f}", counts.leaves)});
+    columns[3].cells.push_back({fmt::format("{:.1f}", floor_ns(limits.times, counts))});
+  }
+  for (const BenchResult& result : scene.results) {
+    if (!is_kerf(result)) continue;
+    Column took{.head = result.mode + " ns", .cells = {}}, part{.head = "efficiency", .cells = {}};
+    for (std::size_t i = 0; i < result.rays.size(); ++i) {
+      const double speed = result.rays[i].mrays_per_s;
+      took.cells.push_back({fmt::format("{:.1f}", 1e3 / speed)});
+      part.cells.push_back(
+          {fmt::format("{:.2f}", efficiency(floor_ns(limits.times, limits.counts[i]), speed))});
+    }
+    columns.push_back(std::move(took));
+    columns.push_back(std::move(part));
+  }
+  return fmt::format(
+      "Floor: {:.2f} ns a node, {:.2f} ns a leaf with everything in the first-level cache\n{}\n",
+      limits.times.node_ns, limits.times.leaf_ns, format(columns, Emphasis::mark));
+}
+
+nlohmann::ordered_json limits_json(const BenchScene& scene) {
+  const Limits& limits = *scene.limits;
+  nlohmann::ordered_json rays;
+  for (std::size_t i = 0; i < std::size(ray_types); ++i) {
+    const StepCounts& counts = limits.counts[i];
+    const double floor = floor_ns(limits.times, counts);
+    nlohmann::ordered_json parts;
+    for (const BenchResult& result : scene.results) {
+      if (is_kerf(result)) parts[result.mode] = efficiency(floor, result.rays[i].mrays_per_s);
+    }
+    rays[std::string(name(ray_types[i]))] = {
+        {"steps", counts.nodes}, {"leaves", counts.leaves}, {"floor_ns", floor}, {"efficiency", parts}};
+  }
+  return {{"node_ns", limits.times.node_ns}, {"leaf_ns", limits.times.leaf_ns}, {"rays", std::move(rays)}};
+}
+
+std::string format_ratios(std::span<const BenchScene> scenes) {
+  const std::vector<Ratios> list = ratios_to_peers(scenes);
+  if (list.empty()) return {};
+  std::vector<Column> columns{{.head = "kerf", .cells = {}, .left_aligned = true},
+                              {.head = "relative to", .cells = {}, .left_aligned = true},
+                              {.head = "speed", .cells = {}},
+                              {.head = "primary", .cells = {}},
+                              {.head = "least", .cells = {}},
+                              {.head = "where", .cells = {}, .left_aligned = true},
+                              {.head = "build", .cells = {}},
+                              {.head = "least", .cells = {}},
+                              {.head = "bytes", .cells = {}},
+                              {.head = "peak", .cells = {}}};
+  for (const Ratios& r : list) {
+    const std::string cells[] = {r.mode,
+                                 r.peer,
+                                 fmt::format("{:.2f}x", r.mean),
+                                 fmt::format("{:.2f}x", r.primary_mean),
+                                 fmt::format("{:.2f}x", r.least),
+                                 fmt::format("{}, {}", r.least_scene, name(r.least_type)),
+                                 fmt::format("{:.2f}x", r.build_mean),
+                                 fmt::format("{:.2f}x", r.build_least),
+                                 fmt::format("{:.2f}", r.bytes_most),
+                                 fmt::format("{:.2f}", r.peak_bytes_most)};
+    for (std::size_t c = 0; c < columns.size(); ++c) columns[c].cells.push_back({cells[c]});
+  }
+  return "Speed and build: how many times as fast as the peer, geometric means over scenes and types of "
+         "rays.\n"
+         "Bytes and peak: kerf's over the peer's, of the scene where that is largest.\n" +
+         format(columns, Emphasis::mark);
+}
+
+}  // namespace
+
+std::vector<Ratios> ratios_to_peers(std::span<const BenchScene> scenes) {
+  std::vector<Ratios> list;
+  if (scenes.empty()) return list;
+  for (const BenchResult& kerf : scenes[0].results) {
+    if (!is_kerf(kerf)) continue;
+    for (const BenchResult& peer : scenes[0].results) {
+      if (!is_kerf(peer)) list.push_back(ratios(scenes, kerf, peer));
+    }
+  }
+  return list;
+}
+
+std::string format_bench(std::span<const BenchScene> scenes, Emphasis emphasis) {
+  std::string text;
+  for (const BenchScene& scene : scenes) text += format_scene(scene, emphasis) + format_limits(scene);
+  return text + format_ratios(scenes);
+}
+
+nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, std::string_view version,
+                               unsigned threads) {
+  auto list = nlohmann::ordered_json::array();
+  for (const BenchScene& scene : scenes) {
+    auto results = nlohmann::ordered_json::array();
+    for (const BenchResult& result : scene.results) {
+      nlohmann::ordered_json rays;
+      for (const BenchRays& r : result.rays) {
+        rays[std::string(name(r.type))] = {
+            {"count", r.count}, {"hits", r.hits}, {"mrays_per_s", r.mrays_per_s}};
+      }
+      nlohmann::ordered_json entry{{"engine", result.engine},
+                                   {"mode", result.mode},
+                                   {"build_ms", result.build_ms},
+                                   {"bytes", result.bytes},
+                                   {"build_peak_bytes", result.build_peak_bytes}};
+      if (is_kerf(result)) {
+        entry["sah"] = scene.sah;
+        entry["references"] = scene.references;
+      }
+      entry["rays"] = std::move(rays);
+      results.push_back(std::move(entry));
+    }
+    list.push_back({{"name", scene.name}, {"triangles", scene.triangles}, {"results", std::move(results)}});
+    if (scene.limits) list.back()["limits"] = limits_json(scene);
+  }
+  return {{"kerf", version}, {"threads", threads}, {"scenes", std::move(list)}};
+}
+
+}  // namespace workbench

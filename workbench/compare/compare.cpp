@@ -1,0 +1,197 @@
+#include "workbench/compare/compare.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "construction/construct.hpp"
+#include "stages.hpp"
+#include "tree/measures/measures.hpp"
+#include "workbench/compare/equal_references.hpp"
+#include "workbench/compare/measures.hpp"
+#include "workbench/compare/trace.hpp"
+
+namespace workbench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Builds are timed this many times, unless one round of all contenders already takes `long_round` seconds:
+// what a busy machine adds to so long a build is small beside it.
+constexpr unsigned build_rounds = 3;
+constexpr double long_round = 10.0;
+
+// What part of the work each stage is, roughly, for the progress bar.
+constexpr double first_build_share = 0.3;  // and the metrics of the tree
+constexpr double build_share = 0.5;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+bool pre_splits(kerf::Builder builder) {
+  return builder == kerf::Builder::esc || builder == kerf::Builder::evh;
+}
+
+// Gives every builder that splits before it builds the number of references that the SBVH of its alpha has.
+std::vector<Contender> with_equal_references(const kerf::Geometry& geometry,
+                                             std::span<const Contender> contenders, unsigned threads) {
+  std::vector<Contender> result(contenders.begin(), contenders.end());
+  std::map<float, std::size_t> references_at_alpha;
+  for (Contender& contender : result) {
+    contender.options.threads = threads;
+    if (!pre_splits(contender.options.builder) || contender.options.presplit_references != 0) continue;
+    const auto [place, is_new] = references_at_alpha.try_emplace(contender.options.alpha, 0);
+    if (is_new) {
+      kerf::BuildOptions options = contender.options;
+      options.builder = kerf::Builder::sbvh;
+      place->second = count_references(geometry, options);
+    }
+    contender.options.presplit_references =
+        presplit_references_for(place->second, geometry, contender.options);
+  }
+  return result;
+}
+
+std::size_t count_differences(std::span<const kerf::Hit> hits, std::span<const kerf::Hit> others) {
+  return std::inner_product(hits.begin(), hits.end(), others.begin(), std::size_t{0}, std::plus<>(),
+                            [](const kerf::Hit& a, const kerf::Hit& b) { return std::size_t{!(a == b)}; });
+}
+
+// The measurement of one scene, stage after stage.
+class Measuring {
+ public:
+  Measuring(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options)
+      : scene_(scene), options_(options), mesh_(scene.mesh()), geometry_(std::span(&mesh_, 1)) {
+    report(0.0, "equal references");
+    contenders_ = with_equal_references(geometry_, contenders, options.threads);
+    result_.figures.name = scene.name;
+    result_.figures.triangles = geometry_.triangle_count();
+    for (const Contender& contender : contenders_) {
+      BuilderFigures& figures = result_.figures.builders.emplace_back();
+      figures.name = contender.name;
+      figures.alpha = contender.options.alpha;
+      figures.build_ms = std::numeric_limits<double>::infinity();
+    }
+  }
+
+  Comparison run() {
+    for (std::size_t i = 0; i < contenders_.size(); ++i) build_first(i);
+    for (unsigned round = 1; round < build_rounds && build_seconds_ < long_round; ++round) {
+      report(first_build_share + (build_share - first_build_share) * (round - 1) / (build_rounds - 1),
+             "build again");
+      for (std::size_t i = 0; i < contenders_.size(); ++i) build(i, [](const kerf::BinaryTree&) {});
+    }
+    for (const RayType type : ray_types) trace(type);
+    report(1.0, "done");
+    return std::move(result_);
+  }
+
+ private:
+  void report(double part, std::string_view what) const {
+    if (options_.progress) options_.progress(part, what);
+  }
+
+  // Builds and times; `look` sees the tree in between, while the clock stands still.
+  template <class Look>
+  kerf::Bvh build(std::size_t i, const Look& look) {
+    auto start = Clock::now();
+    kerf::BinaryTree tree = build_tree(geometry_, contenders_[i].options);
+    double seconds = seconds_since(start);
+    look(tree);
+    start = Clock::now();
+    kerf::Bvh bvh = make_bvh(geometry_, std::move(tree));
+    seconds += seconds_since(start);
+    build_seconds_ += seconds;
+    BuilderFigures& figures = result_.figures.builders[i];
+    figures.build_ms = std::min(figures.build_ms, 1e3 * seconds);
+    return bvh;
+  }
+
+  void build_first(std::size_t i) {
+    BuilderFigures& figures = result_.figures.builders[i];
+    const double part = first_build_share / static_cast<double>(contenders_.size());
+    report(part * static_cast<double>(i), "build " + figures.name);
+    const kerf::Bvh bvh = build(i, [&](const kerf::BinaryTree& tree) {
+      report(part * (static_cast<double>(i) + 0.5), "measure " + figures.name);
+      result_.figures.degenerate_triangles = tree.degenerate_triangles;
+      figures.sah = surface_area_cost(tree);
+      figures.epo = end_point_overlap(tree, geometry_);
+      figures.lcv = leaf_count_variability(tree);
+    });
+    figures.references = bvh.statistics().references;
+    figures.nodes = bvh.statistics().nodes;
+    figures.bytes = bvh.statistics().bytes;
+    result_.hierarchies.push_back(bvh);
+  }
+
+  void trace(RayType type) {
+    const auto place = static_cast<std::size_t>(type);
+    report(build_share + (1.0 - build_share) * static_cast<double>(place) / std::size(ray_types),
+           fmt::format("trace {} rays", title(type)));
+    const RaySet set = make_rays(scene_, result_.hierarchies.front(), type, options_.rays);
+    std::vector<kerf::Hit> first_hits;
+    for (std::size_t i = 0; i < contenders_.size(); ++i) {
+      BuilderFigures& figures = result_.figures.builders[i];
+      CountedPass pass = trace_counted(result_.hierarchies[i], set, options_.threads);
+      const double per_ray = set.rays.empty() ? 0.0 : 1.0 / static_cast<double>(set.rays.size());
+      figures.rays[place] = {.count = set.rays.size(),
+                             .hits = pass.hit_count,
+                             .steps = per_ray * static_cast<double>(pass.steps),
+                             .triangle_tests = per_ray * static_cast<double>(pass.triangle_tests)};
+      if (i == 0)
+        first_hits = std::move(pass.hits);
+      else
+        figures.disagreements += count_differences(pass.hits, first_hits);
+    }
+    const std::vector<double> seconds = time_interleaved(
+        result_.hierarchies, set, {.rounds = options_.rounds, .seconds = options_.seconds_per_type});
+    for (std::size_t i = 0; i < contenders_.size(); ++i) {
+      if (!set.rays.empty()) {
+        result_.figures.builders[i].rays[place].mrays_per_s =
+            1e-6 * static_cast<double>(set.rays.size()) / seconds[i];
+      }
+    }
+  }
+
+  const Scene& scene_;
+  const CompareOptions& options_;
+  const kerf::TriangleMesh mesh_;
+  const kerf::Geometry geometry_;
+  std::vector<Contender> contenders_;
+  Comparison result_;
+  double build_seconds_ = 0.0;
+};
+
+}  // namespace
+
+std::size_t SceneFigures::disagreements() const {
+  return std::accumulate(
+      builders.begin(), builders.end(), std::size_t{0},
+      [](std::size_t sum, const BuilderFigures& figures) { return sum + figures.disagreements; });
+}
+
+std::string_view name(kerf::Builder builder) {
+  switch (builder) {
+    case kerf::Builder::sbvh:
+      return "sbvh";
+    case kerf::Builder::bvh:
+      return "bvh";
+    case kerf::Builder::esc:
+      return "esc";
+    case kerf::Builder::evh:
+      return "evh";
+  }
+  return "";
+}
+
+Comparison compare(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options) {
+  return Measuring(scene, contenders, options).run();
+}
+
+}  // namespace workbench

@@ -1,0 +1,82 @@
+// Hierarchies over one scene, measured with the same rays in the same run.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <kerf/build.hpp>
+
+#include "workbench/rays/rays.hpp"
+#include "workbench/scene/scene.hpp"
+
+namespace workbench {
+
+/// One way to build, under the name that the tables call it.
+struct Contender {
+  std::string name;
+  kerf::BuildOptions options;
+};
+
+/// What the rays of one type did in one hierarchy.
+struct RayFigures {
+  std::size_t count = 0;
+  std::size_t hits = 0;
+  double steps = 0.0;           ///< inner-node visits a ray
+  double triangle_tests = 0.0;  ///< triangle tests a ray
+  double mrays_per_s = 0.0;  ///< on one thread; best of at least three rounds, in turn with other hierarchies
+};
+
+/// What one contender built, and how it fared.
+struct BuilderFigures {
+  std::string name;
+  float alpha = 0.0f;
+  double build_ms = 0.0;  ///< best of the rounds; for esc and evh the search for the threshold included
+  double sah = 0.0;
+  double epo = 0.0;
+  double lcv = 0.0;
+  std::size_t references = 0;
+  std::size_t nodes = 0;
+  std::size_t bytes = 0;
+  std::array<RayFigures, std::size(ray_types)> rays;  ///< in the order of `ray_types`
+  std::size_t disagreements = 0;  ///< rays whose hit is not, to the last bit, that of the first contender
+};
+
+struct SceneFigures {
+  std::string name;
+  std::size_t triangles = 0;
+  std::size_t degenerate_triangles = 0;
+  std::vector<BuilderFigures> builders;  ///< in the order of the contenders
+
+  std::size_t disagreements() const;
+};
+
+struct CompareOptions {
+  unsigned threads = 0;           ///< that build and count; 0 is all there are. Rays are timed on one
+  RaySetOptions rays = {};        ///< size of each viewpoint's picture
+  unsigned rounds = 3;            ///< the fewest rounds of timing
+  double seconds_per_type = 1.0;  ///< more rounds are made until all hierarchies together traced this long
+
+  /// Called with the part of the work that is done and a word for what comes next. Returning is all it may
+  /// do.
+  std::function<void(double, std::string_view)> progress = {};
+};
+
+/// Figures and the hierarchies that they belong to.
+struct Comparison {
+  SceneFigures figures;
+  std::vector<kerf::Bvh> hierarchies = {};
+};
+
+/// Builds and measures. `esc` and `evh` contenders whose `presplit_references` is 0 are made to have as many
+/// references as the SBVH of the same alpha, which is built first, whether it is a contender or not.
+Comparison compare(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options);
+
+/// The names of builders on the command line and in JSON.
+std::string_view name(kerf::Builder builder);
+
+}  // namespace workbench

@@ -1,0 +1,54 @@
+#include "workbench/compare/json.hpp"
+
+#include <fmt/format.h>
+
+namespace workbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The double of the same shortest decimal, so that 1e-5f is written as 1e-05 and not
+// as 9.999999747378752e-06.
+double shortest(float value) {
+  return std::stod(fmt::format("{}", value));
+}
+
+Json to_json(const RayFigures& rays) {
+  return {{"count", rays.count},
+          {"hits", rays.hits},
+          {"steps", rays.steps},
+          {"triangle_tests", rays.triangle_tests},
+          {"mrays_per_s", rays.mrays_per_s}};
+}
+
+Json to_json(const BuilderFigures& builder) {
+  Json rays = Json::object();
+  for (std::size_t type = 0; type < std::size(ray_types); ++type) {
+    rays[std::string(name(ray_types[type]))] = to_json(builder.rays[type]);
+  }
+  return {{"name", builder.name},
+          {"alpha", shortest(builder.alpha)},
+          {"build_ms", builder.build_ms},
+          {"sah", builder.sah},
+          {"epo", builder.epo},
+          {"lcv", builder.lcv},
+          {"references", builder.references},
+          {"nodes", builder.nodes},
+          {"bytes", builder.bytes},
+          {"disagreements", builder.disagreements},
+          {"rays", std::move(rays)}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(std::span<const SceneFigures> scenes, std::string_view version) {
+  Json list = Json::array();
+  for (const SceneFigures& scene : scenes) {
+    Json builders = Json::array();
+    for (const BuilderFigures& builder : scene.builders) builders.push_back(to_json(builder));
+    list.push_back({{"name", scene.name}, {"triangles", scene.triangles}, {"builders", std::move(builders)}});
+  }
+  return {{"kerf", version}, {"scenes", std::move(list)}};
+}
+
+}  // namespace workbench

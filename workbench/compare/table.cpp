@@ -1,0 +1,115 @@
+#include "workbench/compare/table.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "workbench/compare/measures.hpp"
+
+namespace workbench {
+namespace {
+
+constexpr double bar_width = 12.0;
+
+std::string heading(const SceneFigures& scene) {
+  std::string text = fmt::format("{}: {} triangles", scene.name, format_count(scene.triangles));
+  if (scene.degenerate_triangles != 0) {
+    text += fmt::format(", {} of them degenerate and left out", format_count(scene.degenerate_triangles));
+  }
+  return text + "\n";
+}
+
+// A column of figures with the best marked, and one of their ratios to the first.
+void append_measured(std::vector<Column>& columns, std::string_view head, const std::vector<double>& values,
+                     bool higher_is_better, std::string (*format)(double)) {
+  const std::vector<bool> best = best_of(values, higher_is_better);
+  Column figures{.head = std::string(head), .cells = {}, .gap = "   "};
+  Column ratios{.head = "", .cells = {}, .gap = " "};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    figures.cells.push_back({format(values[i]), best[i]});
+    ratios.cells.push_back({i == 0 ? "" : format_ratio(values[i], values[0])});
+  }
+  columns.push_back(std::move(figures));
+  if (values.size() > 1) columns.push_back(std::move(ratios));
+}
+
+// As wide in every table of a scene, so that their columns stand under each other.
+Column name_column(const SceneFigures& scene, std::string_view head) {
+  Column column{.head = fmt::format("{:<18}", head), .cells = {}, .left_aligned = true, .gap = "  "};
+  for (const BuilderFigures& builder : scene.builders) column.cells.push_back({builder.name});
+  return column;
+}
+
+std::string verdict(const SceneFigures& scene) {
+  if (scene.builders.size() < 2) return "";
+  if (scene.disagreements() == 0) return "  The hits of all agree, ray for ray.\n";
+  return fmt::format("  {} HITS DIFFER from those of {}.\n", format_count(scene.disagreements()),
+                     scene.builders.front().name);
+}
+
+// Eighths of a block make bars twelve characters long that tell a percent apart.
+std::string bar(double part) {
+  static constexpr std::string_view eighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
+  const auto filled = static_cast<std::size_t>(std::lround(8.0 * bar_width * std::clamp(part, 0.0, 1.0)));
+  std::string text;
+  for (std::size_t i = 0; i < filled / 8; ++i) text += "█";
+  return text + std::string(eighths[filled % 8]);
+}
+
+void append_bars(std::vector<Column>& columns, const std::vector<double>& values) {
+  const double highest = values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+  Column column{.head = "", .cells = {}, .left_aligned = true, .gap = " "};
+  for (const double value : values) column.cells.push_back({bar(highest > 0.0 ? value / highest : 0.0)});
+  columns.push_back(std::move(column));
+}
+
+}  // namespace
+
+std::string format_comparison(const SceneFigures& scene, Emphasis emphasis) {
+  std::string text = heading(scene) + "\n";
+  std::vector<Column> tree{name_column(scene, "tree")};
+  for (const auto& measure : tree_measures()) {
+    std::vector<double> values;
+    for (const BuilderFigures& builder : scene.builders) values.push_back(measure.value(builder));
+    append_measured(tree, measure.title, values, measure.higher_is_better, measure.format);
+  }
+  text += format(tree, emphasis);
+  for (std::size_t type = 0; type < std::size(ray_types); ++type) {
+    std::vector<Column> rays{name_column(scene, title(ray_types[type]))};
+    for (const auto& measure : ray_measures()) {
+      std::vector<double> values;
+      for (const BuilderFigures& builder : scene.builders)
+        values.push_back(measure.value(builder.rays[type]));
+      append_measured(rays, measure.title, values, measure.higher_is_better, measure.format);
+    }
+    text += '\n';
+    text += format(rays, emphasis);
+  }
+  return text + "\n" + verdict(scene);
+}
+
+std::string format_sweep(const SceneFigures& scene, Emphasis emphasis) {
+  std::vector<Column> columns{{.head = "alpha", .cells = {}}};
+  for (const BuilderFigures& builder : scene.builders)
+    columns[0].cells.push_back({format_alpha(builder.alpha)});
+  const auto append = [&](std::string_view head, bool higher_is_better, std::string (*format)(double),
+                          auto&& value) {
+    std::vector<double> values;
+    for (const BuilderFigures& builder : scene.builders) values.push_back(value(builder));
+    append_measured(columns, head, values, higher_is_better, format);
+    append_bars(columns, values);
+  };
+  for (const auto& measure : tree_measures()) {
+    if (measure.key == "sah" || measure.key == "references") {
+      append(measure.title, measure.higher_is_better, measure.format, measure.value);
+    }
+  }
+  const auto& speed = ray_measures().back();
+  append(speed.title, speed.higher_is_better, speed.format, [](const BuilderFigures& builder) {
+    return 1e-6 * rays_per_second(builder, {RayType::primary, RayType::ao, RayType::diffuse});
+  });
+  return heading(scene) + "\n" + format(columns, emphasis) + "\n" + verdict(scene);
+}
+
+}  // namespace workbench

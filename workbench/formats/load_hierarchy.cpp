@@ -1,0 +1,43 @@
+#include "workbench/formats/load_hierarchy.hpp"
+
+#include <limits>
+
+#include <fmt/format.h>
+#include <kerf/error.hpp>
+
+#include "queries/visit_box.hpp"
+#include "structure.hpp"
+#include "workbench/formats/join_vertices.hpp"
+
+namespace workbench {
+
+using namespace kerf;
+
+Scene load_hierarchy(const std::filesystem::path& file) {
+  const Bvh saved = Bvh::load(file);
+  if (saved.statistics().references == 0) {
+    throw Error(Error::bad_format, fmt::format("{}: has no triangles", file.string()));
+  }
+  // As one mesh, which is what a scene has.
+  auto joined = std::make_shared<Bvh::Structure>(saved.structure());
+  joined->first_triangles = {0, static_cast<std::uint32_t>(saved.statistics().triangles)};
+
+  Scene scene;
+  scene.triangles.resize(saved.statistics().triangles);
+  scene.vertices.resize(3 * scene.triangles.size(), saved.bounds().lower);
+  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i)
+    scene.triangles[i] = {3 * i, 3 * i + 1, 3 * i + 2};
+  const float infinity = std::numeric_limits<float>::infinity();
+  visit_box(*joined, {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}},
+            [&](std::uint32_t id, const Triangle& triangle) {
+              scene.vertices[3 * std::size_t{id}] = triangle.v0;
+              scene.vertices[3 * std::size_t{id} + 1] = triangle.v1;
+              scene.vertices[3 * std::size_t{id} + 2] = triangle.v2;
+              return true;
+            });
+  join_vertices(scene);
+  scene.hierarchy = Bvh(std::move(joined));
+  return scene;
+}
+
+}  // namespace workbench

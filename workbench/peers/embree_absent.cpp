@@ -1,9 +1,0 @@
-#include "workbench/peers/embree.hpp"
-
-namespace workbench {
-
-std::vector<Engine> embree_engines(unsigned) {
-  return {};
-}
-
-}  // namespace workbench

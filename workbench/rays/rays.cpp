@@ -1,0 +1,131 @@
+#include "workbench/rays/rays.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "math/box3f.hpp"
+#include "workbench/rays/camera.hpp"
+#include "workbench/sampling/angles.hpp"
+#include "workbench/sampling/random.hpp"
+
+namespace workbench {
+namespace {
+
+using namespace kerf;
+
+constexpr std::size_t tile_size = 8;
+
+/// Length of an ambient-occlusion ray, in diagonals of the scene.
+constexpr float ao_reach = 0.25f;
+
+/// How far above its surface a secondary ray starts, in diagonals of the scene. It must outweigh the rounding
+/// of the hit point, 1e-7 of the coordinates, and is less than a millimetre in a room of twenty metres.
+constexpr float secondary_offset = 1e-5f;
+
+template <class Visit>
+void for_each_pixel_in_tiles(const RaySetOptions& size, Visit&& visit) {
+  for (std::size_t tile_y = 0; tile_y < size.height; tile_y += tile_size) {
+    for (std::size_t tile_x = 0; tile_x < size.width; tile_x += tile_size) {
+      for (std::size_t y = tile_y; y < std::min(tile_y + tile_size, size.height); ++y) {
+        for (std::size_t x = tile_x; x < std::min(tile_x + tile_size, size.width); ++x) visit(x, y);
+      }
+    }
+  }
+}
+
+std::vector<Ray> primary_rays(const Scene& scene, const RaySetOptions& size) {
+  std::vector<Ray> rays;
+  rays.reserve(scene.viewpoints.size() * size.width * size.height);
+  for (const Viewpoint& viewpoint : scene.viewpoints) {
+    const Camera camera(viewpoint, size.width, size.height);
+    for_each_pixel_in_tiles(size, [&](std::size_t x, std::size_t y) {
+      rays.push_back(camera.ray_through(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
+    });
+  }
+  return rays;
+}
+
+struct SurfacePoint {
+  Vec3f position;
+  Vec3f normal;  ///< unit length, on the side that the ray came from
+};
+
+SurfacePoint surface_at(const Scene& scene, const Ray& ray, const Hit& hit) {
+  const auto& [a, b, c] = scene.triangles[hit.primitive];
+  const Vec3f v0 = scene.vertices[a], v1 = scene.vertices[b], v2 = scene.vertices[c];
+  const Vec3f position = (1.0f - hit.u - hit.v) * v0 + hit.u * v1 + hit.v * v2;
+  // In double precision neither tiny nor huge triangles lose their normal.
+  const double ex = double{v1.x} - v0.x, ey = double{v1.y} - v0.y, ez = double{v1.z} - v0.z;
+  const double fx = double{v2.x} - v0.x, fy = double{v2.y} - v0.y, fz = double{v2.z} - v0.z;
+  const double nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
+  double scale = 1.0 / std::sqrt(nx * nx + ny * ny + nz * nz);
+  if (nx * ray.direction.x + ny * ray.direction.y + nz * ray.direction.z > 0.0) scale = -scale;
+  return {position,
+          {static_cast<float>(scale * nx), static_cast<float>(scale * ny), static_cast<float>(scale * nz)}};
+}
+
+// A direction whose density is proportional to the cosine of its angle to `normal`: a uniform point of the
+// unit disc, lifted to the hemisphere (Malley's method).
+Vec3f cosine_distributed(const Vec3f& normal, RandomNumbers& random) {
+  const float r2 = random.uniform();
+  const float r = std::sqrt(r2);
+  const auto [sine, cosine] = sine_cosine(random.uniform());
+  // The basis of Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
+  const float sign = std::copysign(1.0f, normal.z);
+  const float a = -1.0f / (sign + normal.z);
+  const float b = normal.x * normal.y * a;
+  const Vec3f tangent{1.0f + sign * normal.x * normal.x * a, sign * b, -sign * normal.x};
+  const Vec3f bitangent{b, sign + normal.y * normal.y * a, -normal.y};
+  return r * cosine * tangent + r * sine * bitangent + std::sqrt(1.0f - r2) * normal;
+}
+
+float largest_coordinate(const Box3f& box) {
+  float largest = 0.0f;
+  for (int axis = 0; axis < 3; ++axis) {
+    largest = std::max({largest, std::abs(box.lower[axis]), std::abs(box.upper[axis])});
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::string_view name(RayType type) {
+  switch (type) {
+    case RayType::primary:
+      return "primary";
+    case RayType::ao:
+      return "ao";
+    case RayType::diffuse:
+      return "diffuse";
+  }
+  return "";
+}
+
+RaySet make_rays(const Scene& scene, const Bvh& bvh, RayType type, const RaySetOptions& options) {
+  RaySet set{.type = type, .rays = primary_rays(scene, options)};
+  const Box3f bounds = bvh.bounds();
+  if (type == RayType::primary) return set;
+  if (bounds.empty()) return {.type = type, .rays = {}};
+
+  std::vector<Hit> hits(set.rays.size());
+  bvh.intersect(set.rays, hits);
+  const float diagonal = length(extent(bounds));
+  const float rounding = 8.0f * std::numeric_limits<float>::epsilon() * largest_coordinate(bounds);
+  const float offset = std::max(secondary_offset * diagonal, rounding);
+
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (!hits[i]) continue;
+    RandomNumbers random(i);
+    const SurfacePoint point = surface_at(scene, set.rays[i], hits[i]);
+    Ray secondary{.origin = point.position + offset * point.normal,
+                  .direction = cosine_distributed(point.normal, random)};
+    if (type == RayType::ao) secondary.t_max = ao_reach * diagonal;
+    set.rays[count++] = secondary;
+  }
+  set.rays.resize(count);
+  return set;
+}
+
+}  // namespace workbench

@@ -1,0 +1,42 @@
+// The rays that engines and builders are compared with: the same for the same scene, on every run and
+// machine.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include <kerf/bvh.hpp>
+#include <kerf/ray.hpp>
+
+#include "workbench/scene/scene.hpp"
+
+namespace workbench {
+
+enum class RayType {
+  primary,  ///< through the pixels of every viewpoint, closest hit
+  ao,  ///< ambient occlusion: cosine-distributed from primary hits, a quarter of the diagonal long, any hit
+  diffuse,  ///< cosine-distributed from primary hits, unbounded, closest hit
+};
+
+inline constexpr RayType ray_types[] = {RayType::primary, RayType::ao, RayType::diffuse};
+
+std::string_view name(RayType type);
+
+struct RaySet {
+  RayType type;
+  std::vector<kerf::Ray> rays;  ///< viewpoint after viewpoint, each in tiles of 8 by 8 pixels
+
+  bool any_hit() const { return type == RayType::ao; }
+};
+
+struct RaySetOptions {
+  std::size_t width = 256;  ///< pixels of each viewpoint
+  std::size_t height = 192;
+};
+
+/// The rays through every viewpoint of `scene`. `bvh` is any hierarchy of the scene: it finds the primary
+/// hits that the secondary rays leave from.
+RaySet make_rays(const Scene& scene, const kerf::Bvh& bvh, RayType type, const RaySetOptions& options = {});
+
+}  // namespace workbench

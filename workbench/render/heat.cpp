@@ -1,0 +1,81 @@
+#include "workbench/render/heat.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/parallel.hpp"
+#include "stages.hpp"
+#include "workbench/rays/camera.hpp"
+
+namespace workbench {
+namespace {
+
+// From night blue through magenta and orange to pale yellow: lightness rises evenly, so that the picture
+// reads the same in grey and to those who cannot tell red from green.
+constexpr std::array<Pixel, 8> heat_stops{{{6, 8, 30},
+                                           {38, 18, 92},
+                                           {92, 22, 122},
+                                           {150, 38, 114},
+                                           {206, 62, 82},
+                                           {242, 108, 44},
+                                           {252, 176, 58},
+                                           {252, 250, 190}}};
+
+// Where scales may end, in powers of ten: quarters of these are round as well, and stand in the legend.
+constexpr float round_ends[] = {1.0f, 1.2f, 1.6f, 2.0f, 2.4f, 2.8f, 3.2f, 4.0f, 5.0f, 6.0f, 8.0f};
+
+// The part of the pixels that may lie beyond the end of the scale; a few extreme rays would darken all
+// others.
+constexpr double clipped_part = 0.002;
+
+}  // namespace
+
+HeatMap trace_heat(const kerf::Bvh& bvh, const Viewpoint& viewpoint, std::size_t width, std::size_t height) {
+  HeatMap map{.width = width, .height = height, .costs = std::vector<float>(width * height)};
+  const Camera camera(viewpoint, width, height);
+  kerf::parallel_for(height, [&](std::size_t y) {
+    for (std::size_t x = 0; x < width; ++x) {
+      kerf::TraversalCounters counters;
+      intersect_counted(bvh, camera.ray_through(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f),
+                        counters);
+      map.costs[y * width + x] = static_cast<float>(counters.steps + counters.triangle_tests);
+    }
+  });
+  return map;
+}
+
+float common_scale(std::span<const HeatMap> maps) {
+  std::vector<float> costs;
+  for (const HeatMap& map : maps) costs.insert(costs.end(), map.costs.begin(), map.costs.end());
+  if (costs.empty()) return 1.0f;
+  const auto rank = static_cast<std::size_t>(static_cast<double>(costs.size() - 1) * (1.0 - clipped_part));
+  std::nth_element(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(rank), costs.end());
+  const float limit = std::max(costs[rank], 1.0f);
+  const float decade = std::pow(10.0f, std::floor(std::log10(limit)));
+  for (const float end : round_ends) {
+    if (end * decade >= limit) return end * decade;
+  }
+  return 10.0f * decade;
+}
+
+Pixel heat_colour(float fraction) {
+  const float place = std::clamp(fraction, 0.0f, 1.0f) * static_cast<float>(heat_stops.size() - 1);
+  const std::size_t stop = std::min(static_cast<std::size_t>(place), heat_stops.size() - 2);
+  const float part = place - static_cast<float>(stop);
+  Pixel mixed{};
+  for (std::size_t c = 0; c < mixed.size(); ++c) {
+    const float from = heat_stops[stop][c], to = heat_stops[stop + 1][c];
+    mixed[c] = static_cast<std::uint8_t>(std::lround(from + part * (to - from)));
+  }
+  return mixed;
+}
+
+Image colour(const HeatMap& map, float scale) {
+  Image image(map.width, map.height);
+  std::transform(map.costs.begin(), map.costs.end(), image.pixels.begin(),
+                 [scale](float cost) { return heat_colour(cost / scale); });
+  return image;
+}
+
+}  // namespace workbench

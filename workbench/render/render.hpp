@@ -1,0 +1,31 @@
+// Pictures of a scene, made with the hierarchy under test: a wrong hierarchy shows.
+#pragma once
+
+#include <functional>
+
+#include <kerf/bvh.hpp>
+
+#include "workbench/render/image.hpp"
+#include "workbench/scene/scene.hpp"
+
+namespace workbench {
+
+struct RenderOptions {
+  std::size_t width = 1280;
+  std::size_t height = 800;
+  unsigned samples = 2;          ///< a side: each pixel is the mean of samples x samples camera rays
+  unsigned ambient_samples = 6;  ///< ambient-occlusion rays a camera ray
+
+  /// Called now and then, never from two threads at once, with the part that is done.
+  std::function<void(double)> progress = {};
+};
+
+/// Clay under a sun and a sky, with shadows, ambient occlusion and haze.
+Image render_shaded(const Scene& scene, const kerf::Bvh& bvh, const Viewpoint& viewpoint,
+                    const RenderOptions& options);
+
+/// Ambient occlusion alone: white where nothing is near, dark in corners.
+Image render_ambient_occlusion(const Scene& scene, const kerf::Bvh& bvh, const Viewpoint& viewpoint,
+                               const RenderOptions& options);
+
+}  // namespace workbench

@@ -1,0 +1,24 @@
+#include "workbench/render/heat.hpp"
+#include "workbench/render/image.hpp"
+#include "workbench/render/render.hpp"
+#include "workbench/report/report.hpp"
+
+namespace workbench {
+ReportScene make_report_scene(const Scene& scene, const Comparison& comparison, std::size_t width,
+                              std::size_t height) {
+  const Viewpoint& viewpoint = scene.viewpoints.front();
+  const RenderOptions options{.width = width, .height = height, .samples = 2, .ambient_samples = 4};
+  std::vector<HeatMap> maps;
+  for (const kerf::Bvh& bvh : comparison.hierarchies) {
+    maps.push_back(trace_heat(bvh, viewpoint, width, height));
+  }
+  ReportScene result{.figures = comparison.figures, .pictures = {}, .heat_scale = common_scale(maps)};
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    result.pictures.push_back(
+        {.shaded = encode_png(render_shaded(scene, comparison.hierarchies[i], viewpoint, options)),
+         .heat = encode_png(colour(maps[i], result.heat_scale))});
+  }
+  return result;
+}
+
+}  // namespace workbench

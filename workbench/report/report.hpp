@@ -1,0 +1,48 @@
+// A comparison as one web page that needs nothing else: no network, no other file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "workbench/compare/compare.hpp"
+#include "workbench/report/machine.hpp"
+
+namespace workbench {
+
+/// What one hierarchy shows of its scene, as PNG files.
+struct Pictures {
+  std::vector<std::uint8_t> shaded;
+  std::vector<std::uint8_t> heat;  ///< on the scale of its scene
+};
+
+struct ReportScene {
+  SceneFigures figures;
+  std::vector<Pictures> pictures = {};  ///< one for each builder, or none
+  float heat_scale = 1.0f;              ///< steps plus triangle tests where the colours end
+};
+
+struct Report {
+  enum class Kind {
+    comparison,  ///< of builders
+    sweep,       ///< of one builder over alpha
+  };
+  Kind kind = Kind::comparison;
+  std::vector<ReportScene> scenes;
+  std::string command;  ///< that made it
+  std::string version;  ///< of kerf
+  std::string date;
+  unsigned threads = 1;  ///< that built
+  Machine machine;
+};
+
+/// The page. Once it has loaded, its root element has in `data-charts-drawn` and `data-pictures-shown` how
+/// many of these there are, and in `data-errors` the number of script errors and of loads that failed or were
+/// refused.
+std::string render_html(const Report& report);
+
+/// Renders every hierarchy from the scene's first viewpoint. The heat views share one scale.
+ReportScene make_report_scene(const Scene& scene, const Comparison& comparison, std::size_t width,
+                              std::size_t height);
+
+}  // namespace workbench

@@ -1,0 +1,26 @@
+// The tables of a report, as HTML.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "workbench/compare/compare.hpp"
+
+namespace workbench {
+
+/// All scenes at a glance: for each builder its cost and its speed, relative to the first.
+std::string html_summary(std::span<const SceneFigures> scenes);
+
+/// One scene: its trees, and one table for each type of ray.
+std::string html_tables(const SceneFigures& scene);
+
+/// One scene over alpha.
+std::string html_sweep_table(const SceneFigures& scene);
+
+/// Whether the hits of all builders agree, as a sentence.
+std::string html_agreement(const SceneFigures& scene);
+
+/// Every measure and every type of ray in one line each.
+std::string html_glossary();
+
+}  // namespace workbench

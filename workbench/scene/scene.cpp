@@ -1,0 +1,69 @@
+#include "workbench/scene/scene.hpp"
+
+#include <fmt/format.h>
+#include <kerf/error.hpp>
+
+#include "workbench/formats/load_file.hpp"
+#include "workbench/generate/generated_scenes.hpp"
+#include "workbench/sampling/angles.hpp"
+#include "workbench/scene/scene_spec.hpp"
+#include "workbench/scene/viewpoints.hpp"
+
+namespace workbench {
+namespace {
+
+using kerf::Vec3f;
+
+// Turns points about z, then y, then x, by the same angle each time.
+class Rotation {
+ public:
+  explicit Rotation(double degrees) : angle_(sine_cosine(degrees / 360.0)) {}
+
+  Vec3f operator()(const Vec3f& p) const {
+    const auto [s, c] = angle_;
+    const Vec3f about_z{c * p.x - s * p.y, s * p.x + c * p.y, p.z};
+    const Vec3f about_y{c * about_z.x + s * about_z.z, about_z.y, c * about_z.z - s * about_z.x};
+    return {about_y.x, c * about_y.y - s * about_y.z, s * about_y.y + c * about_y.z};
+  }
+
+ private:
+  SineCosine angle_;
+};
+
+void rotate(Scene& scene, double degrees) {
+  const Rotation rotation(degrees);
+  for (Vec3f& vertex : scene.vertices) vertex = rotation(vertex);
+  for (Viewpoint& viewpoint : scene.viewpoints) {
+    viewpoint.position = rotation(viewpoint.position);
+    viewpoint.target = rotation(viewpoint.target);
+    viewpoint.up = rotation(viewpoint.up);
+  }
+}
+
+Scene load_source(const SceneSpec& spec) {
+  if (const GeneratedScene* generated = find_generated_scene(spec.source)) {
+    return generated->generate(spec.detail.value_or(1.0));
+  }
+  if (spec.detail) {
+    throw kerf::Error(kerf::Error::invalid_argument,
+                      fmt::format("{}: detail is for generated scenes, not for files", spec.source));
+  }
+  Scene scene = load_file(spec.source);
+  scene.viewpoints = choose_viewpoints(scene.mesh());
+  return scene;
+}
+
+}  // namespace
+
+Scene load_scene(std::string_view text) {
+  const SceneSpec spec = parse_scene_spec(text);
+  Scene scene = load_source(spec);
+  if (spec.rotate != 0.0) {
+    rotate(scene, spec.rotate);
+    scene.hierarchy.reset();  // which stands as it was saved
+  }
+  scene.name = std::string(text);
+  return scene;
+}
+
+}  // namespace workbench

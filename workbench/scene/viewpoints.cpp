@@ -1,0 +1,160 @@
+#include "workbench/scene/viewpoints.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <kerf/build.hpp>
+
+#include "math/box3f.hpp"
+#include "workbench/sampling/angles.hpp"
+
+namespace workbench {
+namespace {
+
+using namespace kerf;
+
+/// Enough triangles to tell open places from closed ones; the hierarchy over so many is built in no time.
+constexpr std::size_t sample_size = 100'000;
+
+/// Directions looked in round a place: every 22.5 degrees, three slopes each.
+constexpr int directions = 16;
+constexpr float slopes[] = {-0.45f, -0.15f, 0.15f};
+constexpr int half_view = 2;  // directions to each side of the middle of a picture
+
+struct Candidate {
+  Viewpoint viewpoint;
+  float openness;
+};
+
+Vec3f vertex(const TriangleMesh& mesh, std::uint32_t i) {
+  const auto [x, y, z] = mesh.vertices[i].values;
+  return {x, y, z};
+}
+
+Box3f bounds_of(const TriangleMesh& mesh) {
+  Box3f bounds;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const std::uint32_t number : mesh.triangles[i].values) bounds = merge(bounds, vertex(mesh, number));
+  }
+  return bounds;
+}
+
+TriangleMesh sample_of(const TriangleMesh& mesh) {
+  TriangleMesh sample = mesh;
+  const std::size_t step = 1 + (mesh.triangles.size() - 1) / sample_size;
+  sample.triangles = {mesh.triangles.data(), (mesh.triangles.size() + step - 1) / step,
+                      step * mesh.triangles.stride()};
+  return sample;
+}
+
+// The distance of what is seen in a direction, and 0 where nothing is. The back of a surface counts for
+// little: who sees many of them stands in a solid.
+float seen(const TriangleMesh& sample, const Bvh& bvh, const Ray& ray) {
+  constexpr float worth_of_backs = 0.1f;
+  const auto hit = bvh.intersect(ray);
+  if (!hit) return 0.0f;
+  const auto [a, b, c] = sample.triangles[hit->primitive].values;
+  const Vec3f v0 = vertex(sample, a), normal = cross(vertex(sample, b) - v0, vertex(sample, c) - v0);
+  return dot(normal, ray.direction) > 0.0f ? worth_of_backs * hit->t : hit->t;
+}
+
+// Looks all round and chooses the direction in which a whole picture is farthest away, but not empty.
+Candidate look_around(const TriangleMesh& sample, const Bvh& bvh, const Vec3f& position, float diagonal) {
+  std::array<float, directions> far{};
+  float nearest = diagonal;
+  for (int i = 0; i < directions; ++i) {
+    const auto [sine, cosine] = sine_cosine(static_cast<double>(i) / directions);
+    for (const float slope : slopes) {
+      const float t = seen(sample, bvh, {.origin = position, .direction = normalize({cosine, slope, sine})});
+      far[static_cast<std::size_t>(i)] += t;
+      if (t > 0.0f) nearest = std::min(nearest, t);
+    }
+  }
+  Candidate best{.viewpoint = {.position = position, .target = position + Vec3f{0, 0, -diagonal}},
+                 .openness = 0};
+  for (int i = 0; i < directions; ++i) {
+    float sum = 0.0f;
+    for (int k = -half_view; k <= half_view; ++k) {
+      sum += far[static_cast<std::size_t>((i + k + directions) % directions)];
+    }
+    if (sum <= best.openness) continue;
+    const auto [sine, cosine] = sine_cosine(static_cast<double>(i) / directions);
+    best.viewpoint.target = position + diagonal * Vec3f{cosine, slopes[1], sine};
+    best.openness = sum;
+  }
+  // A wall close by fills the picture with nothing to see.
+  best.openness *= std::min(1.0f, nearest / (0.03f * diagonal));
+  return best;
+}
+
+std::vector<Viewpoint> choose_inside(const TriangleMesh& mesh, const Box3f& bounds, float diagonal) {
+  const TriangleMesh sample = sample_of(mesh);
+  const Bvh bvh = build(sample, {.builder = Builder::bvh, .progress = {}});
+  std::vector<Candidate> candidates;
+  for (const float y : {0.25f, 0.5f, 0.7f}) {
+    for (const float x : {0.12f, 0.3f, 0.5f, 0.7f, 0.88f}) {
+      for (const float z : {0.12f, 0.3f, 0.5f, 0.7f, 0.88f}) {
+        const Vec3f e = extent(bounds);
+        candidates.push_back(
+            look_around(sample, bvh, bounds.lower + Vec3f{x * e.x, y * e.y, z * e.z}, diagonal));
+      }
+    }
+  }
+  // The most open one, then twice the one that is open and far from those chosen before.
+  std::vector<Viewpoint> chosen;
+  while (chosen.size() < 3) {
+    const auto worth = [&](const Candidate& candidate) {
+      float apart = 0.25f * diagonal;
+      for (const Viewpoint& other : chosen) {
+        apart = std::min(apart, length(other.position - candidate.viewpoint.position));
+      }
+      return candidate.openness * apart;
+    };
+    const auto best = std::max_element(candidates.begin(), candidates.end(),
+                                       [&](const auto& a, const auto& b) { return worth(a) < worth(b); });
+    chosen.push_back(best->viewpoint);
+  }
+  return chosen;
+}
+
+// As near as a picture of 4 by 3 shows all vertices.
+Viewpoint look_from_outside(const TriangleMesh& mesh, const Vec3f& center, float radius,
+                            const Vec3f& direction) {
+  constexpr float field_of_view = 45.0f, half_height = 0.41421356f,
+                  aspect = 4.0f / 3.0f;  // tan(45 degrees / 2)
+  constexpr float margin = 1.03f;
+  const Vec3f right = normalize(cross({0, 1, 0}, direction)), up = cross(direction, right);
+  float distance = radius;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const std::uint32_t number : mesh.triangles[i].values) {
+      const Vec3f p = vertex(mesh, number) - center;
+      const float aside = std::max(std::abs(dot(p, up)), std::abs(dot(p, right)) / aspect);
+      distance = std::max(distance, dot(p, direction) + margin * aside / half_height);
+    }
+  }
+  return {.position = center + distance * direction,
+          .target = center,
+          .up = {0, 1, 0},
+          .vertical_field_of_view = field_of_view};
+}
+
+}  // namespace
+
+std::vector<Viewpoint> choose_viewpoints(const TriangleMesh& mesh) {
+  const Box3f bounds = bounds_of(mesh);
+  const Vec3f center = 0.5f * bounds.lower + 0.5f * bounds.upper;
+  const float far_from_origin = std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)});
+  // What has no extent is looked at from a distance that a float can still tell from none.
+  float radius = std::max(0.5f * length(extent(bounds)), 1e-5f * far_from_origin);
+  if (radius == 0.0f) radius = 1.0f;
+
+  std::vector<Viewpoint> viewpoints = choose_inside(mesh, bounds, 2.0f * radius);
+  for (const Vec3f& direction :
+       {Vec3f{0.6f, 0.35f, 1.0f}, Vec3f{-1.0f, 0.2f, 0.35f}, Vec3f{0.5f, 1.0f, -0.9f}}) {
+    viewpoints.push_back(look_from_outside(mesh, center, radius, normalize(direction)));
+  }
+  return viewpoints;
+}
+
+}  // namespace workbench
