@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/run_tool.hpp"
+#include "support/temporary_directory.hpp"
 #include "workbench/generate/generated_scenes.hpp"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <kerf/kerf.hpp>
 
 #include "resources/counted_memory.hpp"
-#include "tests/support/random_triangles.hpp"
+#include "support/random_triangles.hpp"
 #include "workbench/generate/solids.hpp"
 #include "workbench/scene/scene.hpp"
 

@@ -6,8 +6,8 @@
 #include <kerf/kerf.hpp>
 
 #include "resources/counted_memory.hpp"
-#include "tests/support/build_options.hpp"
-#include "tests/support/temporary_directory.hpp"
+#include "support/build_options.hpp"
+#include "support/temporary_directory.hpp"
 #include "workbench/generate/solids.hpp"
 
 namespace kerf {

@@ -1,12 +1,7 @@
 // Runs the command-line tool as a user would.
 #pragma once
 
-#include <cstdlib>
 #include <string>
-
-#include <sys/wait.h>
-
-#include "tests/support/temporary_directory.hpp"
 
 namespace kerf_tests {
 
@@ -17,16 +12,9 @@ struct Outcome {
 };
 
 /// `command` in a shell, its input empty.
-inline Outcome run_command(const std::string& command) {
-  const TemporaryDirectory directory;
-  const std::string output = directory.file("output"), errors = directory.file("errors");
-  const int status = std::system((command + " </dev/null >" + output + " 2>" + errors).c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_bytes(output), read_bytes(errors)};
-}
+Outcome run_command(const std::string& command);
 
 /// `kerf` with `arguments`, as one would type them in a shell.
-inline Outcome run_tool(const std::string& arguments) {
-  return run_command(KERF_TOOL " " + arguments);
-}
+Outcome run_tool(const std::string& arguments);
 
 }  // namespace kerf_tests

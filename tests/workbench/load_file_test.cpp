@@ -9,7 +9,7 @@
 #include <zlib.h>
 
 #include "math/vec3f.hpp"
-#include "tests/support/temporary_directory.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace workbench {
 namespace {

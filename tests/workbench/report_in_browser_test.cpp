@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "support/run_tool.hpp"
+#include "support/temporary_directory.hpp"
 
 namespace {
 

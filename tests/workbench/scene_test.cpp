@@ -7,7 +7,7 @@
 #include <kerf/kerf.hpp>
 
 #include "math/box3f.hpp"
-#include "tests/support/temporary_directory.hpp"
+#include "support/temporary_directory.hpp"
 #include "workbench/generate/generated_scenes.hpp"
 #include "workbench/generate/solids.hpp"
 #include "workbench/rays/camera.hpp"
