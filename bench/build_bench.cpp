@@ -12,7 +12,7 @@
 #include "construction/construct.hpp"
 #include "construction/input.hpp"
 #include "construction/sbvh/subtree.hpp"
-#include "workbench/scene/scene.hpp"
+#include "workbench/open/load_scene.hpp"
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include <tbb/global_control.h>
 #include <unistd.h>
 
-#include "workbench/scene/scene.hpp"
+#include "workbench/open/load_scene.hpp"
 
 namespace {
 

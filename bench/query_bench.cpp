@@ -14,7 +14,7 @@
 
 #include "bench/embree_points.hpp"
 #include "workbench/bench/peers/flush_denormals.hpp"
-#include "workbench/scene/scene.hpp"
+#include "workbench/open/load_scene.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <kerf/kerf.hpp>
 #include <unistd.h>
 
-#include "workbench/scene/scene.hpp"
+#include "workbench/open/load_scene.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static constexpr const char* extensions[] = {".obj",    ".ply",    ".stl",    ".gltf",    ".glb",

@@ -9,7 +9,8 @@
 #include <kerf/error.hpp>
 
 #include "workbench/compare/compare.hpp"
-#include "workbench/scene/scene_spec.hpp"
+#include "workbench/open/load_scene.hpp"
+#include "workbench/open/scene_spec.hpp"
 
 namespace kerf_tool {
 namespace {

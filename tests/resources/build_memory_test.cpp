@@ -8,7 +8,7 @@
 #include "resources/counted_memory.hpp"
 #include "support/random_triangles.hpp"
 #include "workbench/generate/solids.hpp"
-#include "workbench/scene/scene.hpp"
+#include "workbench/open/load_scene.hpp"
 
 namespace kerf {
 namespace {

@@ -8,6 +8,7 @@
 #include "workbench/bench/peers/embree.hpp"
 #include "workbench/bench/peers/kerf_engine.hpp"
 #include "workbench/bench/report.hpp"
+#include "workbench/open/load_scene.hpp"
 
 namespace workbench {
 namespace {

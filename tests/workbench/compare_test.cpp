@@ -5,6 +5,7 @@
 
 #include "support/brute_force.hpp"
 #include "workbench/compare/trace.hpp"
+#include "workbench/open/load_scene.hpp"
 
 using namespace workbench;
 

@@ -2,10 +2,9 @@
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
 
-#include "math/vec3f.hpp"
 #include "support/temporary_directory.hpp"
 #include "workbench/generate/solids.hpp"
-#include "workbench/scene/scene.hpp"
+#include "workbench/open/load_scene.hpp"
 
 namespace workbench {
 namespace {

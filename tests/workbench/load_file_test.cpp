@@ -8,14 +8,13 @@
 #include <kerf/error.hpp>
 #include <zlib.h>
 
-#include "math/vec3f.hpp"
 #include "support/temporary_directory.hpp"
+#include "workbench/base/vectors.hpp"
 
 namespace workbench {
 namespace {
 
 using kerf::Error;
-using kerf::Vec3f;
 
 template <class... Values>
 std::string binary(Values... values) {
@@ -134,7 +133,7 @@ float area_of(const Scene& scene, std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
     const auto& [a, b, c] = scene.triangles[i];
     const Vec3f ab = scene.vertices[b] - scene.vertices[a], ac = scene.vertices[c] - scene.vertices[a];
-    area += 0.5f * kerf::length(kerf::cross(ab, ac));
+    area += 0.5f * length(cross(ab, ac));
   }
   return area;
 }

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
 
-#include "math/box3f.hpp"
+#include "workbench/base/vectors.hpp"
 #include "workbench/generate/solids.hpp"
 #include "workbench/scene/viewpoints.hpp"
 

@@ -1,17 +1,15 @@
-#include "workbench/scene/scene.hpp"
-
 #include <cmath>
 #include <tuple>
 
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
 
-#include "math/box3f.hpp"
 #include "support/temporary_directory.hpp"
+#include "workbench/base/vectors.hpp"
 #include "workbench/generate/generated_scenes.hpp"
 #include "workbench/generate/solids.hpp"
+#include "workbench/open/load_scene.hpp"
 #include "workbench/rays/camera.hpp"
-#include "workbench/scene/scene_spec.hpp"
 #include "workbench/scene/viewpoints.hpp"
 
 namespace workbench {

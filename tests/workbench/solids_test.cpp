@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "math/vec3f.hpp"
+#include "workbench/base/vectors.hpp"
 
 namespace workbench {
 namespace {

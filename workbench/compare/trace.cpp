@@ -6,8 +6,8 @@
 #include <limits>
 #include <numeric>
 
-#include "base/parallel.hpp"
 #include "stages.hpp"
+#include "workbench/base/parallel.hpp"
 
 namespace workbench {
 namespace {
@@ -38,9 +38,9 @@ void trace(const kerf::Bvh& bvh, const RaySet& set, std::size_t begin, std::size
 CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned threads) {
   CountedPass pass{.hits = std::vector<kerf::Hit>(set.rays.size())};
   std::atomic<std::size_t> steps = 0, triangle_tests = 0;
-  const auto trace_block = [&](const tbb::blocked_range<std::size_t>& block) {
+  const auto trace_block = [&](std::size_t begin, std::size_t end) {
     kerf::TraversalCounters counters;
-    for (std::size_t i = block.begin(); i < block.end(); ++i) {
+    for (std::size_t i = begin; i < end; ++i) {
       if (set.any_hit()) {
         if (occluded_counted(bvh, set.rays[i], counters)) pass.hits[i].primitive = 0;
       } else {
@@ -50,8 +50,7 @@ CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned thre
     steps += counters.steps;
     triangle_tests += counters.triangle_tests;
   };
-  kerf::on_threads(threads,
-                   [&] { kerf::parallel_for_ranges(std::size_t{0}, set.rays.size(), grain, trace_block); });
+  on_threads(threads, [&] { parallel_for_blocks(set.rays.size(), grain, trace_block); });
   pass.steps = steps;
   pass.triangle_tests = triangle_tests;
   pass.hit_count = static_cast<std::size_t>(std::count_if(

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <kerf/error.hpp>
 
-#include "math/vec3f.hpp"
+#include "workbench/base/vectors.hpp"
 #include "workbench/formats/checks.hpp"
 #include "workbench/formats/import.hpp"
 #include "workbench/formats/join_vertices.hpp"

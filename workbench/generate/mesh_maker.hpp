@@ -8,7 +8,7 @@
 
 #include <kerf/vec.hpp>
 
-#include "math/vec3f.hpp"
+#include "workbench/base/vectors.hpp"
 
 namespace workbench {
 
@@ -21,8 +21,6 @@ struct ProfilePoint {
 /// Collects triangles. Shapes are tessellated as asked, share vertices within themselves, and face outward.
 class MeshMaker {
  public:
-  using Vec3f = kerf::Vec3f;
-
   std::uint32_t add_vertex(const Vec3f& p) {
     vertices_.push_back(p);
     return static_cast<std::uint32_t>(vertices_.size() - 1);
@@ -74,10 +72,10 @@ class MeshMaker {
     Vec3f side = any_normal(path[1] - path[0]);
     std::uint32_t ring = 0;
     for (std::size_t i = 0; i < path.size(); ++i) {
-      const Vec3f along = kerf::normalize(path[std::min(i + 1, path.size() - 1)] - path[i == 0 ? 0 : i - 1]);
-      side = kerf::normalize(side - kerf::dot(side, along) * along);  // carried along without twist
+      const Vec3f along = normalize(path[std::min(i + 1, path.size() - 1)] - path[i == 0 ? 0 : i - 1]);
+      side = normalize(side - dot(side, along) * along);  // carried along without twist
       const std::uint32_t previous = ring;
-      ring = add_ring(path[i], side, kerf::cross(along, side), sides,
+      ring = add_ring(path[i], side, cross(along, side), sides,
                       radius(static_cast<float>(i) / static_cast<float>(path.size() - 1)));
       if (i > 0) join_rings(previous, ring, sides);
     }

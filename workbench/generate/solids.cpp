@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "math/vec3f.hpp"
+#include "workbench/base/vectors.hpp"
 #include "workbench/sampling/angles.hpp"
 
 namespace workbench {

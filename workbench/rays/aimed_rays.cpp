@@ -4,7 +4,7 @@
 #include <random>
 #include <utility>
 
-#include "math/vec3f.hpp"
+#include "workbench/base/vectors.hpp"
 #include "workbench/sampling/angles.hpp"
 
 namespace workbench {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "math/box3f.hpp"
+#include "workbench/base/vectors.hpp"
 #include "workbench/rays/camera.hpp"
 #include "workbench/sampling/angles.hpp"
 #include "workbench/sampling/random.hpp"

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "base/parallel.hpp"
 #include "stages.hpp"
+#include "workbench/base/parallel.hpp"
 #include "workbench/rays/camera.hpp"
 
 namespace workbench {
@@ -34,7 +34,7 @@ constexpr double clipped_part = 0.002;
 HeatMap trace_heat(const kerf::Bvh& bvh, const Viewpoint& viewpoint, std::size_t width, std::size_t height) {
   HeatMap map{.width = width, .height = height, .costs = std::vector<float>(width * height)};
   const Camera camera(viewpoint, width, height);
-  kerf::parallel_for(height, [&](std::size_t y) {
+  parallel_for(height, [&](std::size_t y) {
     for (std::size_t x = 0; x < width; ++x) {
       kerf::TraversalCounters counters;
       intersect_counted(bvh, camera.ray_through(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f),

@@ -6,9 +6,8 @@
 #include <numbers>
 #include <optional>
 
-#include "base/parallel.hpp"
-#include "math/box3f.hpp"
-#include "math/vec3f.hpp"
+#include "workbench/base/parallel.hpp"
+#include "workbench/base/vectors.hpp"
 #include "workbench/rays/camera.hpp"
 #include "workbench/sampling/random.hpp"
 
@@ -146,7 +145,7 @@ Image render(const Viewpoint& viewpoint, const RenderOptions& options, const Lig
   const float cell = 1.0f / static_cast<float>(options.samples);
   std::mutex progress_mutex;
   std::size_t rows_done = 0;
-  kerf::parallel_for(options.height, [&](std::size_t y) {
+  parallel_for(options.height, [&](std::size_t y) {
     for (std::size_t x = 0; x < options.width; ++x) {
       RandomNumbers random(y * options.width + x);
       Vec3f sum;

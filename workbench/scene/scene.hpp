@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <kerf/bvh.hpp>
@@ -32,10 +31,5 @@ struct Scene {
 
   kerf::TriangleMesh mesh() const { return {.vertices = vertices, .triangles = triangles}; }
 };
-
-/// Loads or generates what `spec` names: a file or a generated scene, then optionally `:key=value,...`
-/// (`rotate=30` turns it 30 degrees about z, then y, then x; `detail=2` doubles a generated scene's
-/// triangles). Throws `kerf::Error` with one line that names the file, the place in it and what is wrong.
-Scene load_scene(std::string_view spec);
 
 }  // namespace workbench

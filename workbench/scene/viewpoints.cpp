@@ -6,7 +6,7 @@
 
 #include <kerf/build.hpp>
 
-#include "math/box3f.hpp"
+#include "workbench/base/vectors.hpp"
 #include "workbench/sampling/angles.hpp"
 
 namespace workbench {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "base/parallel.hpp"
+#include "workbench/base/parallel.hpp"
 
 namespace workbench {
 
@@ -14,8 +14,7 @@ void for_ray_blocks(unsigned threads, std::size_t count, const Trace& trace) {
   // Four tiles of 8 by 8 pixels: some 20 microseconds, far more than it costs to hand out a task.
   constexpr std::size_t block = 256;
   if (threads == 1) return trace(std::size_t{0}, count);
-  kerf::parallel_for_ranges(std::size_t{0}, count, block,
-                            [&](const auto& range) { trace(range.begin(), range.end()); });
+  parallel_for_blocks(count, block, trace);
 }
 
 }  // namespace workbench

@@ -1,12 +1,10 @@
-#include "workbench/scene/scene.hpp"
+#include "workbench/open/load_scene.hpp"
 
-#include <fmt/format.h>
-#include <kerf/error.hpp>
-
+#include "workbench/base/raise.hpp"
 #include "workbench/formats/load_file.hpp"
 #include "workbench/generate/generated_scenes.hpp"
+#include "workbench/open/scene_spec.hpp"
 #include "workbench/sampling/angles.hpp"
-#include "workbench/scene/scene_spec.hpp"
 #include "workbench/scene/viewpoints.hpp"
 
 namespace workbench {
@@ -45,8 +43,7 @@ Scene load_source(const SceneSpec& spec) {
     return generated->generate(spec.detail.value_or(1.0));
   }
   if (spec.detail) {
-    throw kerf::Error(kerf::Error::invalid_argument,
-                      fmt::format("{}: detail is for generated scenes, not for files", spec.source));
+    raise(kerf::Error::invalid_argument, spec.source, "detail is for generated scenes, not for files");
   }
   Scene scene = load_file(spec.source);
   scene.viewpoints = choose_viewpoints(scene.mesh());
@@ -60,7 +57,7 @@ Scene load_scene(std::string_view text) {
   Scene scene = load_source(spec);
   if (spec.rotate != 0.0) {
     rotate(scene, spec.rotate);
-    scene.hierarchy.reset();  // which stands as it was saved
+    scene.hierarchy.reset();  // it belongs to the vertices that were saved
   }
   scene.name = std::string(text);
   return scene;

@@ -1,12 +1,10 @@
-#include "workbench/scene/scene_spec.hpp"
+#include "workbench/open/scene_spec.hpp"
 
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 
-#include <fmt/format.h>
-#include <kerf/error.hpp>
-
+#include "workbench/base/raise.hpp"
 #include "workbench/generate/generated_scenes.hpp"
 
 namespace workbench {
@@ -14,14 +12,14 @@ namespace {
 
 using kerf::Error;
 
-/// Far beyond both ends scenes are empty or larger than any memory.
-constexpr double least_detail = 0.001, most_detail = 10000.0;
+/// Below this range scenes are empty, above it they exceed any memory.
+constexpr double min_detail = 0.001, max_detail = 10000.0;
 
-double number(std::string_view spec, std::string_view key, std::string_view text) {
+double parse_number(std::string_view spec, std::string_view key, std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    throw Error(Error::invalid_argument, fmt::format("{}: {} must be a number, not '{}'", spec, key, text));
+    raise(Error::invalid_argument, spec, "{} must be a number, not '{}'", key, text);
   }
   return value;
 }
@@ -30,21 +28,20 @@ void apply_option(std::string_view spec, std::string_view option, SceneSpec& res
   const std::size_t equals = option.find('=');
   const std::string_view key = option.substr(0, equals);
   if (key != "rotate" && key != "detail") {
-    throw Error(
-        Error::invalid_argument,
-        fmt::format("{}: unknown option '{}'; there are rotate=DEGREES and detail=FACTOR", spec, key));
+    raise(Error::invalid_argument, spec,
+          "unknown option '{}'; the options are rotate=DEGREES and detail=FACTOR", key);
   }
   if (equals == std::string_view::npos) {
-    throw Error(Error::invalid_argument, fmt::format("{}: {} needs a value, {}=...", spec, key, key));
+    raise(Error::invalid_argument, spec, "{} needs a value, {}=...", key, key);
   }
-  const double value = number(spec, key, option.substr(equals + 1));
+  const double value = parse_number(spec, key, option.substr(equals + 1));
   if (key == "rotate") {
     result.rotate = value;
-  } else if (value >= least_detail && value <= most_detail) {
+  } else if (value >= min_detail && value <= max_detail) {
     result.detail = value;
   } else {
-    throw Error(Error::invalid_argument, fmt::format("{}: detail must be from {} to {}, not {}", spec,
-                                                     least_detail, most_detail, option.substr(equals + 1)));
+    raise(Error::invalid_argument, spec, "detail must be from {} to {}, not {}", min_detail, max_detail,
+          option.substr(equals + 1));
   }
 }
 
