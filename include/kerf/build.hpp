@@ -27,7 +27,7 @@ struct BuildOptions {
   /// A spatial split is tried where the children of the best object split overlap by more than this part of
   /// the root's surface area (Stich et al. 2009, section 4.5), but neither in nodes of fewer than 96
   /// references nor where the overlap is under a twentieth of the node's own area, where nearly none is found
-  /// (docs/decisions.md). 0 tries everywhere without exception, 1 nowhere. Range: [0, 1].
+  /// (docs/decisions/0011, 0012). 0 tries everywhere without exception, 1 nowhere. Range: [0, 1].
   float alpha = 1e-5f;
 
   /// At most this many references a triangle; the memory for them is taken before the build begins.

@@ -10,7 +10,7 @@
 namespace kerf {
 
 /// A fixed number of trivial values, not initialised, in `LargeMemory`.
-/// (Diffuse rays on a mesh of 871,414 triangles: see docs/decisions.md.)
+/// (Diffuse rays on a mesh of 871,414 triangles: see docs/decisions/0040.)
 template <class T>
 class AlignedArray {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);

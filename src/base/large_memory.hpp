@@ -12,7 +12,7 @@ namespace kerf {
 
 /// Aligned to a cache line; from one huge page on to huge pages, which the system is asked for: a random
 /// visit then costs no walk through the page table, and new memory comes 512 pages at a time, which takes a
-/// tenth as long (docs/decisions.md). Throws `std::bad_alloc`.
+/// tenth as long (docs/decisions/0040). Throws `std::bad_alloc`.
 class LargeMemory {
   static constexpr std::size_t cache_line = 64;
   static constexpr std::size_t huge_page = std::size_t{1} << 21;

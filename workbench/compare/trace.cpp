@@ -18,8 +18,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t grain = 256;
 
 // Into how many slices a set is cut for timing. At 200,000 rays and some million a second a slice takes less
-// than a millisecond, shorter than the spans for which a busy system lets a thread run: docs/decisions.md has
-// the spread of results for other numbers.
+// than a millisecond, shorter than the spans for which a busy system lets a thread run: docs/decisions/0060
+// has the spread of results for other numbers.
 constexpr std::size_t slice_count = 128;
 
 // The hits end up in memory, so that no compiler may leave the tracing out.

@@ -1,6 +1,6 @@
-// What the importer does not check, or not in words that help (docs/decisions.md has what it did with damaged
-// files). Each of these throws `kerf::Error` with one line that names the file, the place in it and what is
-// wrong.
+// What the importer does not check, or not in words that help (docs/decisions/0001 has what it did with
+// damaged files). Each of these throws `kerf::Error` with one line that names the file, the place in it and
+// what is wrong.
 #pragma once
 
 #include <filesystem>

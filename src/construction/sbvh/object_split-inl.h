@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 
-// Bins on each axis. Up to `few_references`, half of them lose nothing: see docs/decisions.md.
+// Bins on each axis. Up to `few_references`, half of them lose nothing: docs/decisions/0013.
 constexpr int object_bin_count = 32;
 constexpr int few_object_bin_count = 16;
 constexpr std::uint32_t few_references = 256;

@@ -147,7 +147,8 @@ class Driver {
 };
 
 // Spatial splits of smaller nodes are rarely found and gain little: trying them only here costs 0.1 % of the
-// surface-area cost on sponza and saves half the time (docs/decisions.md). With an alpha of 0, all are tried.
+// surface-area cost on sponza and saves half the time (docs/decisions/0011, 0012). With an alpha of 0, all
+// are tried.
 constexpr std::uint32_t worthwhile_count = 96;
 constexpr float worthwhile_overlap = 0.05f;
 

@@ -29,7 +29,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // Rays by turns hide the waiting for memory. A hierarchy of up to this many bytes is near enough to the core
-// for rays one after another, which take several nodes at a time (docs/decisions.md).
+// for rays one after another, which take several nodes at a time (docs/decisions/0054).
 [[maybe_unused]] constexpr std::size_t single_bytes = std::size_t{5} << 20;
 
 // After packets that fell apart one after another, twice as many each time are traced by turns before the
