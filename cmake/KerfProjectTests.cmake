@@ -1,6 +1,7 @@
 # Tests of the project as a whole, beside those of its code.
 
 add_test(NAME Architecture.RoomsIncludeOnlyWhatTheyMay COMMAND ${PROJECT_SOURCE_DIR}/scripts/check-includes)
+include(KerfDocuments)
 
 # An installed copy, found and used as a stranger would.
 function(kerf_test_package name)
