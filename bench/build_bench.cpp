@@ -64,10 +64,11 @@ BENCHMARK(ObjectAndSpatialBinning)->RangeMultiplier(8)->Range(64, 1 << 15);
 
 void Chopping(benchmark::State& state) {
   const Node node(4096);
+  const kerf::BuildContext context{.geometry = &node.geometry};
   kerf::Box3f left, right;
   for (auto _ : state) {
     for (const Reference& reference : node.references) {
-      kerf::chop_reference(node.geometry, reference, 0, 0.5f * (reference.lower.x + reference.upper.x), left,
+      kerf::chop_reference(context, reference, 0, 0.5f * (reference.lower.x + reference.upper.x), left,
                            right);
       benchmark::DoNotOptimize(left);
       benchmark::DoNotOptimize(right);
@@ -82,10 +83,11 @@ void Partition(benchmark::State& state) {
   const Node node(static_cast<std::uint32_t>(state.range(0)));
   const float middle = 0.5f * (node.input.doubled_centroids.lower.x + node.input.doubled_centroids.upper.x);
   std::vector<Reference> references = node.references;
+  const kerf::BuildContext context{.arena = references.data()};
   for (auto _ : state) {
     std::copy(node.references.begin(), node.references.end(), references.begin());
-    benchmark::DoNotOptimize(kerf::partition_references(
-        references.data(), static_cast<std::uint32_t>(references.size()), 0, middle));
+    benchmark::DoNotOptimize(
+        kerf::partition_references(context, static_cast<std::uint32_t>(references.size()), 0, middle));
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }

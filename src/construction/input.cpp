@@ -86,8 +86,9 @@ void check_options(const BuildOptions& options) {
 
 ReferenceSummary write_references(const Geometry& geometry, Reference* references) {
   std::vector<Block> blocks = blocks_of(geometry);
+  const Target target = choose_target();
   parallel_for(blocks.size(), [&](std::size_t i) {
-    blocks[i].read = read_triangles(geometry, blocks[i].row, references + blocks[i].row.first_id);
+    blocks[i].read = read_triangles(target, geometry, blocks[i].row, references + blocks[i].row.first_id);
   });
   ReferenceSummary summary;
   for (const auto& [row, read] : blocks) {

@@ -1,5 +1,5 @@
 // A triangle's corner in a vector register.
-// Included once for each instruction set: see subtree.cpp.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_LOAD_CORNER_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_CONSTRUCTION_LOAD_CORNER_INL_H
@@ -10,6 +10,7 @@
 
 #include <cstring>
 
+#include <hwy/highway.h>
 #include <kerf/mesh.hpp>
 
 #include "simd/box-inl.h"
@@ -19,21 +20,21 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 
 // Corners without a negative zero: instruction sets disagree about which zero is the lesser.
-HWY_INLINE Vec4 load_corner(const TripleView<float>& vertices, std::uint32_t index) {
+HWY_INLINE Float4 load_corner(const TripleView<float>& vertices, std::uint32_t index) {
   const std::byte* const at = vertices.data() + index * vertices.stride();
-  Vec4 corner;
+  Float4 corner;
   if (index + 1 < vertices.size() && vertices.stride() >= 4) {  // a fourth float can be read
-    corner = hn::LoadU(four, reinterpret_cast<const float*>(at));
+    corner = hn::LoadU(f32x4, reinterpret_cast<const float*>(at));
   } else {
     alignas(16) float copy[4] = {};
     std::memcpy(copy, at, 3 * sizeof(float));
-    corner = hn::Load(four, copy);
+    corner = hn::Load(f32x4, copy);
   }
-  return hn::Add(corner, hn::Zero(four));
+  return hn::Add(corner, hn::Zero(f32x4));
 }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
 
-#endif  // per target
+#endif

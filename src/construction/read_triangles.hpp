@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "simd/dispatch.hpp"
 #include "tree/geometry.hpp"
 #include "tree/reference.hpp"
 
@@ -28,6 +29,7 @@ struct ReadTriangles {
 
 /// Writes a reference for each triangle of the row that has an area. Stops at one with an index that names no
 /// vertex, or with a coordinate that is not below `coordinate_limit`.
-ReadTriangles read_triangles(const Geometry& geometry, const TriangleRow& row, Reference* references);
+ReadTriangles read_triangles(Target target, const Geometry& geometry, const TriangleRow& row,
+                             Reference* references);
 
 }  // namespace kerf

@@ -14,7 +14,7 @@ Prospect prospect_of_leaf(std::uint32_t triangles) {
   return {0.3f, costs.leaf + costs.triangle * static_cast<float>(triangles)};
 }
 
-Prospect arrange(const BinaryTree& tree, const Collapse::Children& children,
+Prospect arrange(Target target, const BinaryTree& tree, const Collapse::Children& children,
                  const std::array<Prospect, wide_node_children>& prospects, WideNode& node) {
   const std::uint32_t count = children.count;
   // A child's slot is the number of those before it. Compilers make vectors of loops over all slots.
@@ -39,7 +39,7 @@ Prospect arrange(const BinaryTree& tree, const Collapse::Children& children,
     links[slot] = node.children[from[slot]];
   }
   std::copy_n(links.begin(), count, node.children);
-  write_children(binaries.data(), count, node);
+  write_children(target, binaries.data(), count, node);
 
   const float area = half_area(bounds);
   float miss = 1.0f, steps = 1.0f;

@@ -5,6 +5,7 @@
 
 #include "layout/collapse.hpp"
 #include "layout/wide_bvh.hpp"
+#include "simd/dispatch.hpp"
 #include "tree/binary_tree.hpp"
 
 namespace kerf {
@@ -22,7 +23,7 @@ Prospect prospect_of_leaf(std::uint32_t triangles);
 /// anything of the others (as for shadow rays in Ize & Hansen 2011, "RTSAH Traversal Order for Occlusion
 /// Rays"). Their links stand in the tree's order. Then writes what `write_children` does, and returns the
 /// prospect of the node.
-Prospect arrange(const BinaryTree& tree, const Collapse::Children& children,
+Prospect arrange(Target target, const BinaryTree& tree, const Collapse::Children& children,
                  const std::array<Prospect, wide_node_children>& prospects, WideNode& node);
 
 }  // namespace kerf

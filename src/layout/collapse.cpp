@@ -5,14 +5,15 @@
 #include <limits>
 
 #include "base/parallel.hpp"
+#include "simd/targets.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "layout/collapse.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#ifndef KERF_REFINE_COLLAPSE_DISTRIBUTION
-#define KERF_REFINE_COLLAPSE_DISTRIBUTION
+#ifndef KERF_LAYOUT_COLLAPSE_DISTRIBUTION
+#define KERF_LAYOUT_COLLAPSE_DISTRIBUTION
 namespace kerf {
 namespace {
 
@@ -35,7 +36,9 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+#if KERF_FLOAT_LANES == 16
+namespace hn = hwy::HWY_NAMESPACE;
+
 // Lane i - 1 of the k-th takes lane i - k - 1, or, where there is none, the last, which is made infinite.
 struct Lanes {
   alignas(64) std::int32_t of[slots - 1][slots];
@@ -49,8 +52,7 @@ constexpr Lanes lanes = [] {
   return table;
 }();
 
-void Distribute(const float* left, std::int32_t most, const float* right, Distribution& to) {
-  namespace hn = hwy::HWY_NAMESPACE;
+void distribute(const float* left, std::int32_t most, const float* right, Distribution& to) {
   constexpr hn::FixedTag<float, slots> floats;
   constexpr hn::FixedTag<std::int32_t, slots> ints;
   const auto none = hn::Set(floats, infinity);
@@ -68,7 +70,7 @@ void Distribute(const float* left, std::int32_t most, const float* right, Distri
   hn::Store(share, ints, to.left_share);
 }
 #else
-void Distribute(const float* left, std::int32_t most, const float* right, Distribution& to) {
+void distribute(const float* left, std::int32_t most, const float* right, Distribution& to) {
   float shifted[2 * slots];  // from slots - k on, it begins with k that are infinite
   std::fill_n(shifted, slots, infinity);
   std::copy_n(right, slots, shifted + slots);
@@ -94,7 +96,7 @@ HWY_AFTER_NAMESPACE();
 namespace kerf {
 namespace {
 
-HWY_EXPORT(Distribute);
+HWY_EXPORT(distribute);
 
 constexpr std::uint32_t max_leaf_references = 8;
 
@@ -144,8 +146,8 @@ struct Collapse::Costs {
   std::uint32_t leaves;  // of the binary tree: more slots are of no use
 };
 
-Collapse::Collapse(const BinaryTree& tree, const CollapseCosts& costs)
-    : tree_(&tree), costs_(costs), decisions_(tree.nodes.size()) {
+Collapse::Collapse(const BinaryTree& tree, const CollapseCosts& costs, Target target)
+    : tree_(&tree), costs_(costs), target_(target), decisions_(tree.nodes.size()) {
   if (tree.empty()) return;
   Costs root;
   solve(0, static_cast<std::uint32_t>(tree.nodes.size()), root);
@@ -192,7 +194,7 @@ void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right
     distribute_beside_leaf(right.of[0], left.of, false, best);
   } else {
     const auto most = static_cast<std::int32_t>(std::min(slots - 1, left.leaves));
-    HWY_DYNAMIC_DISPATCH(Distribute)(left.of, most, right.of, best);
+    KERF_DISPATCH(distribute, target_)(left.of, most, right.of, best);
   }
   const float area = half_area(tree_->nodes[node].bounds);
   costs.references = left.references + right.references;

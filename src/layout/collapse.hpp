@@ -8,6 +8,7 @@
 #include <hwy/cache_control.h>
 
 #include "base/aligned_array.hpp"
+#include "simd/dispatch.hpp"
 #include "tree/binary_tree.hpp"
 
 namespace kerf {
@@ -32,7 +33,7 @@ struct CollapseCosts {
 class Collapse {
  public:
   /// On all threads of the task arena that this is called in. `tree` must outlive this.
-  explicit Collapse(const BinaryTree& tree, const CollapseCosts& costs = {});
+  explicit Collapse(const BinaryTree& tree, const CollapseCosts& costs = {}, Target target = choose_target());
 
   static constexpr std::uint32_t slots = 16;
 
@@ -85,6 +86,7 @@ class Collapse {
 
   const BinaryTree* tree_;
   CollapseCosts costs_;
+  Target target_;
   AlignedArray<std::uint64_t> decisions_;
 };
 

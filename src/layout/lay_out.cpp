@@ -93,7 +93,7 @@ constexpr std::uint32_t large_bits = 13;
 class Layout {
  public:
   Layout(const Geometry& geometry, const BinaryTree& tree)
-      : geometry_(geometry), tree_(tree), collapse_(tree) {
+      : geometry_(geometry), tree_(tree), target_(choose_target()), collapse_(tree, {}, target_) {
     find_sections(0, 0, 0, 1);
     parallel_for(sections_.size(), [&](std::size_t i) { measure(sections_[i]); });
     for (Section& section : sections_) {
@@ -117,8 +117,8 @@ class Layout {
     for (std::size_t i = sections_.size(); i-- > 0;) {  // children come after their parents
       Section& section = sections_[i];
       if (!section.is_subtree) {
-        section.prospect =
-            arrange(tree_, collapse_.children(section.binary), section.below, nodes_[section.first.nodes]);
+        section.prospect = arrange(target_, tree_, collapse_.children(section.binary), section.below,
+                                   nodes_[section.first.nodes]);
       }
       if (i == 0) break;
       Section& parent = sections_[section.parent];
@@ -205,7 +205,7 @@ class Layout {
       std::array<const BinaryNode*, wide_node_children> binaries{};
       for (std::uint32_t slot = 0; slot < children.count; ++slot)
         binaries[slot] = &tree_.nodes[children.node[slot]];
-      write_children(binaries.data(), children.count, nodes_[section.first.nodes]);
+      write_children(target_, binaries.data(), children.count, nodes_[section.first.nodes]);
     }
     write_leaves(section.first.nodes, next.nodes);
   }
@@ -219,7 +219,7 @@ class Layout {
       node.children[slot] = ChildLink::node(static_cast<std::uint32_t>(next.nodes));
       below[slot] = write_subtree(children.node[slot], next);
     }
-    return arrange(tree_, children, below, node);
+    return arrange(target_, tree_, children, below, node);
   }
 
   // The children's links in the tree's order, and which triangles are in the leaves; what of the other
@@ -279,6 +279,7 @@ class Layout {
 
   const Geometry& geometry_;
   const BinaryTree& tree_;
+  const Target target_;
   const Collapse collapse_;
   std::vector<Section> sections_;
   Extent total_;

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 
+#include "simd/targets.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "layout/wide_children.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#ifndef KERF_KERNEL_WIDE_CHILDREN
-#define KERF_KERNEL_WIDE_CHILDREN
+#ifndef KERF_LAYOUT_WIDE_CHILDREN
+#define KERF_LAYOUT_WIDE_CHILDREN
 namespace kerf {
 namespace {
 
@@ -26,28 +28,28 @@ namespace {
 
 // A slot's place in an octant's order is the number of those before it. Centers are a quarter of what they
 // might be: the sum of three stays finite, and orders stay orders.
-#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+#if KERF_FLOAT_LANES >= 8
 namespace hn = hwy::HWY_NAMESPACE;
-using Eight = hn::FixedTag<float, 8>;
-using EightInts = hn::FixedTag<std::int32_t, 8>;
-using Row = hn::Vec<Eight>;
-constexpr Eight eight;
-constexpr EightInts ints;
+using FloatTag8 = hn::FixedTag<float, 8>;
+using IntTag8 = hn::FixedTag<std::int32_t, 8>;
+using Row = hn::Vec<FloatTag8>;
+constexpr FloatTag8 f32x8;
+constexpr IntTag8 i32x8;
 
 // Of eight children; rows 0 to 5 are the coordinates of the lower and the upper corners, a slot a lane.
 HWY_INLINE void transpose(const BinaryNode* const* children, Row* rows) {
   Row in[8], pairs[8], fours[8];
-  for (int i = 0; i < 8; ++i) in[i] = hn::LoadU(eight, &children[i]->bounds.lower.x);
+  for (int i = 0; i < 8; ++i) in[i] = hn::LoadU(f32x8, &children[i]->bounds.lower.x);
   for (int i = 0; i < 8; i += 2) {
-    pairs[i] = hn::InterleaveLower(eight, in[i], in[i + 1]);
-    pairs[i + 1] = hn::InterleaveUpper(eight, in[i], in[i + 1]);
+    pairs[i] = hn::InterleaveLower(f32x8, in[i], in[i + 1]);
+    pairs[i + 1] = hn::InterleaveUpper(f32x8, in[i], in[i + 1]);
   }
-  constexpr hn::Repartition<double, Eight> doubles;
+  constexpr hn::Repartition<double, FloatTag8> doubles;
   const auto lower = [&](Row a, Row b) {
-    return hn::BitCast(eight, hn::InterleaveLower(doubles, hn::BitCast(doubles, a), hn::BitCast(doubles, b)));
+    return hn::BitCast(f32x8, hn::InterleaveLower(doubles, hn::BitCast(doubles, a), hn::BitCast(doubles, b)));
   };
   const auto upper = [&](Row a, Row b) {
-    return hn::BitCast(eight, hn::InterleaveUpper(doubles, hn::BitCast(doubles, a), hn::BitCast(doubles, b)));
+    return hn::BitCast(f32x8, hn::InterleaveUpper(doubles, hn::BitCast(doubles, a), hn::BitCast(doubles, b)));
   };
   for (int i = 0; i < 8; i += 4) {
     fours[i] = lower(pairs[i], pairs[i + 2]);
@@ -55,38 +57,38 @@ HWY_INLINE void transpose(const BinaryNode* const* children, Row* rows) {
     fours[i + 2] = lower(pairs[i + 1], pairs[i + 3]);
     fours[i + 3] = upper(pairs[i + 1], pairs[i + 3]);
   }
-  for (int i = 0; i < 4; ++i) rows[i] = hn::ConcatLowerLower(eight, fours[i + 4], fours[i]);
-  for (int i = 0; i < 2; ++i) rows[i + 4] = hn::ConcatUpperUpper(eight, fours[i + 4], fours[i]);
+  for (int i = 0; i < 4; ++i) rows[i] = hn::ConcatLowerLower(f32x8, fours[i + 4], fours[i]);
+  for (int i = 0; i < 2; ++i) rows[i + 4] = hn::ConcatUpperUpper(f32x8, fours[i + 4], fours[i]);
 }
 
 // Octants are lanes here.
-void WriteChildren(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
+void write_children(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
   alignas(32) float centers[3][slots];
   for (std::uint32_t first = 0; first < slots; first += 8) {
     Row rows[6];
     transpose(children + first, rows);
     for (int axis = 0; axis < 3; ++axis) {
-      hn::Store(rows[axis], eight, node.planes[axis][0] + first);
-      hn::Store(rows[axis + 3], eight, node.planes[axis][1] + first);
-      const Row quarter = hn::Set(eight, 0.25f);
-      hn::Store(hn::Add(hn::Mul(rows[axis], quarter), hn::Mul(rows[axis + 3], quarter)), eight,
+      hn::Store(rows[axis], f32x8, node.planes[axis][0] + first);
+      hn::Store(rows[axis + 3], f32x8, node.planes[axis][1] + first);
+      const Row quarter = hn::Set(f32x8, 0.25f);
+      hn::Store(hn::Add(hn::Mul(rows[axis], quarter), hn::Mul(rows[axis + 3], quarter)), f32x8,
                 centers[axis] + first);
     }
   }
-  const auto octant = hn::Iota(ints, 0);
-  const auto sign = [&](auto bit) { return hn::BitCast(eight, hn::ShiftLeft<31>(bit)); };
+  const auto octant = hn::Iota(i32x8, 0);
+  const auto sign = [&](auto bit) { return hn::BitCast(f32x8, hn::ShiftLeft<31>(bit)); };
   const Row sign_x = sign(octant), sign_y = sign(hn::ShiftRight<1>(octant)),
             sign_z = sign(hn::ShiftRight<2>(octant));
   Row distances[slots];
-  hn::Vec<EightInts> places[slots];
-  const auto one = hn::Set(ints, 1);
+  hn::Vec<IntTag8> places[slots];
+  const auto one = hn::Set(i32x8, 1);
   for (std::uint32_t high = 0; high < count; ++high) {
-    distances[high] = hn::Add(hn::Add(hn::Xor(hn::Set(eight, centers[0][high]), sign_x),
-                                      hn::Xor(hn::Set(eight, centers[1][high]), sign_y)),
-                              hn::Xor(hn::Set(eight, centers[2][high]), sign_z));
-    auto place = hn::Set(ints, static_cast<std::int32_t>(high));
+    distances[high] = hn::Add(hn::Add(hn::Xor(hn::Set(f32x8, centers[0][high]), sign_x),
+                                      hn::Xor(hn::Set(f32x8, centers[1][high]), sign_y)),
+                              hn::Xor(hn::Set(f32x8, centers[2][high]), sign_z));
+    auto place = hn::Set(i32x8, static_cast<std::int32_t>(high));
     for (std::uint32_t low = 0; low < high; ++low) {
-      const auto high_first = hn::RebindMask(ints, hn::Lt(distances[high], distances[low]));
+      const auto high_first = hn::RebindMask(i32x8, hn::Lt(distances[high], distances[low]));
       const auto step = hn::IfThenElseZero(high_first, one);
       places[low] = hn::Add(places[low], step);
       place = hn::Sub(place, step);
@@ -94,24 +96,24 @@ void WriteChildren(const BinaryNode* const* children, std::uint32_t count, WideN
     places[high] = place;
   }
   // The nearest eight are in the lower half of an order.
-  auto nearer = hn::Zero(ints), farther = hn::Zero(ints);
+  auto nearer = hn::Zero(i32x8), farther = hn::Zero(i32x8);
   for (std::uint32_t slot = 0; slot < slots; ++slot) {
-    const auto number = hn::Set(ints, static_cast<std::int32_t>(slot));
+    const auto number = hn::Set(i32x8, static_cast<std::int32_t>(slot));
     const auto place = slot < count ? places[slot] : number;
-    const auto in_half = hn::And(place, hn::Set(ints, 7));
+    const auto in_half = hn::And(place, hn::Set(i32x8, 7));
     const auto nibble = hn::Shl(number, hn::ShiftLeft<2>(in_half));
     const auto is_near = hn::Eq(in_half, place);
     nearer = hn::Or(nearer, hn::IfThenElseZero(is_near, nibble));
     farther = hn::Or(farther, hn::IfThenZeroElse(is_near, nibble));
   }
   alignas(32) std::uint32_t halves[2][octants];
-  hn::Store(nearer, ints, reinterpret_cast<std::int32_t*>(halves[0]));
-  hn::Store(farther, ints, reinterpret_cast<std::int32_t*>(halves[1]));
+  hn::Store(nearer, i32x8, reinterpret_cast<std::int32_t*>(halves[0]));
+  hn::Store(farther, i32x8, reinterpret_cast<std::int32_t*>(halves[1]));
   for (std::uint32_t octant = 0; octant < octants; ++octant)
     node.order[octant] = std::uint64_t{halves[1][octant]} << 32 | halves[0][octant];
 }
 #else
-void WriteChildren(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
+void write_children(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
   float distances[slots][octants];
   for (std::uint32_t slot = 0; slot < slots; ++slot) {
     const Box3f& box = children[slot]->bounds;
@@ -154,13 +156,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace kerf {
 
-HWY_EXPORT(WriteChildren);
+HWY_EXPORT(write_children);
 
-void write_children(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
+void write_children(Target target, const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
   static constexpr BinaryNode unused;
   const BinaryNode* in_slots[slots];
   std::fill(std::copy_n(children, count, in_slots), in_slots + slots, &unused);
-  HWY_DYNAMIC_DISPATCH(WriteChildren)(in_slots, count, node);
+  KERF_DISPATCH(write_children, target)(in_slots, count, node);
 }
 
 }  // namespace kerf

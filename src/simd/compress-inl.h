@@ -1,4 +1,5 @@
-// Some lanes of a vector, moved to the front. Included once per instruction set.
+// Some lanes of a vector, moved to the front.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_SIMD_COMPRESS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_SIMD_COMPRESS_INL_H
@@ -12,12 +13,14 @@
 
 #include <hwy/highway.h>
 
+#include "simd/targets.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if HWY_TARGET > HWY_AVX3
+#if KERF_FLOAT_LANES < 16
 struct FrontLanes {
   std::uint8_t lane[256][8];  // for each set of lanes, its lanes from 0 up
 };
@@ -38,7 +41,7 @@ struct FrontLanes {
 template <class V, class M>
 HWY_INLINE V compress(V v, M mask) {
   const hn::DFromV<V> tag;
-#if HWY_TARGET == HWY_AVX2
+#if KERF_FLOAT_LANES == 8
   const hn::RebindToUnsigned<hn::DFromV<V>> integers;
   const hn::Rebind<std::uint8_t, hn::DFromV<V>> bytes;
   std::uint8_t set[8] = {};

@@ -1,5 +1,5 @@
-// Points and vectors in double precision, as many as a vector of doubles has lanes. Included once per
-// instruction set.
+// Points and vectors in double precision, as many as a vector of doubles has lanes.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_SIMD_DOUBLES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_SIMD_DOUBLES_INL_H
@@ -8,7 +8,9 @@
 #define KERF_SIMD_DOUBLES_INL_H
 #endif
 
-#include "layout/wide_bvh.hpp"
+#include <hwy/highway.h>
+#include <kerf/vec.hpp>
+
 #include "simd/floats-inl.h"
 
 HWY_BEFORE_NAMESPACE();

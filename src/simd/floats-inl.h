@@ -1,5 +1,5 @@
-// Eight floats or sixteen, in as many vectors as the instruction set at hand needs. Included once per
-// instruction set.
+// Eight floats or sixteen, in as many vectors as the instruction set at hand needs.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_SIMD_FLOATS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_SIMD_FLOATS_INL_H
@@ -11,6 +11,8 @@
 #include <cstring>
 
 #include <hwy/highway.h>
+
+#include "simd/targets.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -110,7 +112,7 @@ HWY_INLINE DoubleVector promote(const Lanes& a, std::size_t i) {
 }
 
 // `difference_of_products` of math/ray_triangle.hpp, to the last bit.
-#if HWY_TARGET <= HWY_AVX2 || HWY_ARCH_ARM
+#if HWY_NATIVE_FMA
 template <class V>
 HWY_INLINE V difference_of_products(V a, V b, V c, V d) {
   const V cd = hn::Mul(c, d);

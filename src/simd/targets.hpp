@@ -1,6 +1,30 @@
-// The instruction sets that kernels are compiled for: included before Highway's foreach_target.h.
+// The one file that knows instruction sets ("targets" in Highway): for which of them kernels are compiled,
+// and what a kernel may ask about the one it is compiled for. Comes before all of Highway; README.md shows
+// how.
 #pragma once
 
-#define HWY_COMPILE_ALL_ATTAINABLE      // the scalar one where every machine has SSE2, too: tests need it
-#define HWY_DISABLED_TARGETS HWY_SSSE3  // such old machines take the scalar one,
-#define HWY_BROKEN_EMU128 1             // which is one number at a time under every compiler
+#ifdef HIGHWAY_HWY_DETECT_TARGETS_H_
+#error "simd/targets.hpp must be included before Highway"
+#endif
+
+// All that the compiler knows, the fallback included, which tests compare with the others.
+#define HWY_COMPILE_ALL_ATTAINABLE
+
+// SSSE3: such old machines take the fallback. SVE and RVV: a vector whose size is unknown to the compiler can
+// be neither a member nor an element of an array; NEON runs wherever SVE does.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+
+// The fallback is SCALAR, one number at a time, which every compiler translates correctly. Kernels that need
+// vectors of four floats define KERF_FOUR_LANES before they include this, and get EMU128 in its place.
+#ifdef KERF_FOUR_LANES
+#define HWY_BROKEN_EMU128 0
+#else
+#define HWY_BROKEN_EMU128 1
+#endif
+
+// How many floats fit into a vector of the target at hand: 16, 8, 4 or 1. Whether it fuses a multiplication
+// with an addition, HWY_NATIVE_FMA tells. By these two alone do kernels choose between ways to compute the
+// same.
+#define KERF_FLOAT_LANES (HWY_MAX_BYTES < 16 ? 1 : HWY_MAX_BYTES / 4)
+
+#include <hwy/targets.h>

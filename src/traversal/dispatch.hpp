@@ -56,8 +56,7 @@ struct Kernels {
   std::uint64_t (*repeat_leaf_tests)(const WideBvh& bvh, const Ray& ray, ChildLink leaf, std::size_t count);
 };
 
-/// Those for the best instruction set of this machine, or for the one that the environment variable
-/// KERF_TARGET names (AVX3, AVX2, SSE4, SCALAR; for tests) if the machine has it.
+/// Those of the target that `choose_target` gives.
 const Kernels& choose_kernels();
 
 }  // namespace kerf

@@ -1,4 +1,5 @@
-// The kernels of spatial queries, for the table of all kernels. Included once per instruction set.
+// The kernels of spatial queries, for the table of all kernels.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_QUERY_KERNELS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_TRAVERSAL_QUERY_KERNELS_INL_H

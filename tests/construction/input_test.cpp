@@ -9,11 +9,11 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 #include <kerf/kerf.hpp>
 
 #include "math/triangle.hpp"
 #include "support/random_triangles.hpp"
+#include "support/targets.hpp"
 
 namespace {
 
@@ -137,11 +137,7 @@ TEST(BuildInput, OnEveryInstructionSetTrianglesWithAnAreaBecomeTheirBoxes) {
     vertices.push_back({v.x, v.y, v.z, std::numeric_limits<float>::quiet_NaN()});
   const kerf::TriangleMesh view{.vertices = vertices, .triangles = mesh.triangles};
   const kerf::Geometry geometry(std::span(&view, 1));
-  for (const std::int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3, HWY_EMU128}) {
-    hwy::SetSupportedTargetsForTest(0);
-    if (target != HWY_EMU128 && (hwy::SupportedTargets() & target) == 0) continue;
-    hwy::SetSupportedTargetsForTest(target);
-    SCOPED_TRACE(hwy::TargetName(target));
+  kerf_tests::for_each_target([&](const kerf::Target&) {
     const std::vector<kerf::Reference> references = kerf::make_references(geometry).references;
     std::size_t count = 0;
     for (std::uint32_t id = 0; id < mesh.triangles.size(); ++id) {
@@ -153,8 +149,7 @@ TEST(BuildInput, OnEveryInstructionSetTrianglesWithAnAreaBecomeTheirBoxes) {
     }
     EXPECT_EQ(count, references.size());
     EXPECT_LT(count, 8000u);
-  }
-  hwy::SetSupportedTargetsForTest(0);
+  });
 }
 
 }  // namespace

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 #include <kerf/error.hpp>
 #include <tbb/global_control.h>
 
 #include "construction/construct.hpp"
 #include "construction/sbvh/parallel_build.hpp"
 #include "support/random_triangles.hpp"
+#include "support/targets.hpp"
 #include "tree/measures/measures.hpp"
 #include "tree/validate.hpp"
 #include "workbench/generate/solids.hpp"
@@ -203,14 +203,7 @@ TEST(SplitBvh, AnyNumberOfThreadsBuildsTheSameTree) {
 TEST(SplitBvh, AnyInstructionSetBuildsTheSameTree) {
   const Mesh mesh = large_and_small_triangles();
   const BinaryTree tree = tree_of(mesh.mesh());
-  for (const std::int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3, HWY_EMU128}) {
-    hwy::SetSupportedTargetsForTest(0);
-    if (target != HWY_EMU128 && (hwy::SupportedTargets() & target) == 0) continue;
-    hwy::SetSupportedTargetsForTest(target);
-    SCOPED_TRACE(hwy::TargetName(target));
-    expect_equal(tree, tree_of(mesh.mesh()));
-  }
-  hwy::SetSupportedTargetsForTest(0);
+  kerf_tests::for_each_target([&](const kerf::Target&) { expect_equal(tree, tree_of(mesh.mesh())); });
 }
 
 TEST(SplitBvh, ProgressOnlyGrowsAndReachesTheEnd) {

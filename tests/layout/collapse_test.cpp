@@ -7,10 +7,10 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include "construction/construct.hpp"
 #include "support/random_triangles.hpp"
+#include "support/targets.hpp"
 
 namespace {
 
@@ -96,19 +96,15 @@ TEST(Collapse, NoOtherWideTreeIsCheaper) {
 TEST(Collapse, AnyInstructionSetMakesTheSameChoices) {
   const BinaryTree tree = tree_of(kerf_tests::random_triangles(2000, 0.3f, 0.1f));
   const Collapse best(tree);
-  for (const std::int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
-    hwy::SetSupportedTargetsForTest(0);
-    if ((hwy::SupportedTargets() & target) == 0) continue;
-    hwy::SetSupportedTargetsForTest(target);
-    const Collapse other(tree);
+  kerf_tests::for_each_target([&](const kerf::Target& target) {
+    const Collapse other(tree, {}, target);
     for (std::uint32_t node = 0; node < tree.nodes.size(); ++node) {
       const Collapse::Children ours = best.children(node), theirs = other.children(node);
-      ASSERT_EQ(ours.count, theirs.count) << hwy::TargetName(target);
+      ASSERT_EQ(ours.count, theirs.count);
       ASSERT_TRUE(std::equal(ours.node.begin(), ours.node.begin() + ours.count, theirs.node.begin()));
       ASSERT_EQ(best.is_leaf(node), other.is_leaf(node));
     }
-  }
-  hwy::SetSupportedTargetsForTest(0);
+  });
 }
 
 // Only then may the layout leave out the search for triangles that stand twice in a leaf.

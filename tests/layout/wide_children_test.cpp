@@ -6,7 +6,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
+
+#include "support/targets.hpp"
 
 namespace {
 
@@ -51,11 +52,11 @@ std::uint64_t order_by_sorting(const std::vector<BinaryNode>& children, unsigned
   return order;
 }
 
-void expect_written(const std::vector<BinaryNode>& children) {
+void expect_written(const kerf::Target& target, const std::vector<BinaryNode>& children) {
   std::vector<const BinaryNode*> pointers;
   for (const BinaryNode& child : children) pointers.push_back(&child);
   WideNode node;
-  kerf::write_children(pointers.data(), static_cast<std::uint32_t>(children.size()), node);
+  kerf::write_children(target, pointers.data(), static_cast<std::uint32_t>(children.size()), node);
   for (std::uint32_t slot = 0; slot < kerf::wide_node_children; ++slot) {
     EXPECT_EQ(kerf::child_box(node, slot), slot < children.size() ? children[slot].bounds : kerf::Box3f{});
   }
@@ -64,16 +65,11 @@ void expect_written(const std::vector<BinaryNode>& children) {
 }
 
 TEST(WideChildren, BoxesAndOrdersAreAsDefinedOnAnyInstructionSet) {
-  for (const std::int64_t target : {HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
-    hwy::SetSupportedTargetsForTest(0);
-    if ((hwy::SupportedTargets() & target) == 0) continue;
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
+  kerf_tests::for_each_target([](const kerf::Target& target) {
     std::mt19937 random(7);
-    for (int i = 0; i < 400; ++i)
-      expect_written(random_children(random, 1 + static_cast<std::uint32_t>(i) % kerf::wide_node_children));
-  }
-  hwy::SetSupportedTargetsForTest(0);
+    for (std::uint32_t i = 0; i < 400; ++i)
+      expect_written(target, random_children(random, 1 + i % kerf::wide_node_children));
+  });
 }
 
 }  // namespace

@@ -98,6 +98,7 @@ TEST_F(Chop, VectorsGiveTheSamePartsAsScalars) {
   const kerf_tests::Mesh mesh = kerf_tests::random_triangles(500, 0.5f, 0.1f);
   const kerf::TriangleMesh view = mesh.mesh();
   const kerf::Geometry geometry(std::span(&view, 1));
+  const kerf::BuildContext context{.geometry = &geometry};
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle triangle = geometry.triangle(i);
     const Box3f box = kerf::bounds_of(triangle);
@@ -105,7 +106,7 @@ TEST_F(Chop, VectorsGiveTheSamePartsAsScalars) {
       const float plane = box.lower[axis] + 0.3f * (box.upper[axis] - box.lower[axis]);
       const auto [left, right] = kerf::chop(triangle, box, axis, plane);
       Box3f vector_left, vector_right;
-      kerf::chop_reference(geometry, kerf::Reference(box, i), axis, plane, vector_left, vector_right);
+      kerf::chop_reference(context, kerf::Reference(box, i), axis, plane, vector_left, vector_right);
       EXPECT_EQ(left, vector_left);
       EXPECT_EQ(right, vector_right);
     }

@@ -1,5 +1,4 @@
 // `closest_point`, `within` and `triangles_in`, against every triangle one by one.
-#include <cstdlib>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include "support/adversarial.hpp"
 #include "support/build_options.hpp"
 #include "support/exact_oracle.hpp"
+#include "support/targets.hpp"
 #include "traversal/dispatch.hpp"
 #include "workbench/generate/solids.hpp"
 
@@ -31,11 +31,8 @@ Soup sliver_soup(std::mt19937& random, float thinness) {
 // A hierarchy for the kernels of each instruction set.
 std::vector<Bvh> build_for_each_target(const TriangleMesh& mesh) {
   std::vector<Bvh> hierarchies;
-  for (const char* target : {"AVX3", "AVX2", "SSE4", "SCALAR"}) {
-    setenv("KERF_TARGET", target, 1);
-    hierarchies.push_back(build(mesh, spatial_splits_everywhere()));
-  }
-  unsetenv("KERF_TARGET");
+  kerf_tests::for_each_target(
+      [&](const Target&) { hierarchies.push_back(build(mesh, spatial_splits_everywhere())); });
   return hierarchies;
 }
 

@@ -1,6 +1,5 @@
 #include "traversal/dispatch.hpp"
 
-#include <cstdlib>
 #include <random>
 #include <string>
 #include <vector>
@@ -12,15 +11,14 @@
 #include "structure.hpp"
 #include "support/adversarial.hpp"
 #include "support/random_scenes.hpp"
+#include "support/targets.hpp"
 
 namespace {
 
-// Builds with the kernels of `target`, as KERF_TARGET asks for.
-kerf::Bvh build_for(const char* target, const kerf::TriangleMesh& mesh) {
-  setenv("KERF_TARGET", target, 1);
-  kerf::Bvh bvh = kerf::build(mesh);
-  unsetenv("KERF_TARGET");
-  return bvh;
+// The instruction set that `name` makes a hierarchy use.
+std::string target_for(const char* name, const kerf::TriangleMesh& mesh) {
+  const kerf_tests::ChosenTarget chosen(name);
+  return kerf::build(mesh).structure().kernels->target;
 }
 
 }  // namespace
@@ -34,13 +32,13 @@ TEST(Kernels, EveryInstructionSetGivesTheSameHits) {
     rays.push_back({.origin = random_point(random), .direction = random_point(random)});
     if (i % 3 == 0) rays.back().t_max = 0.3f;
   }
-  for (const char* target : {"AVX3", "AVX2", "SSE4", "SCALAR"}) {
-    const kerf::Bvh bvh = build_for(target, soup.mesh());
+  kerf_tests::for_each_target([&](const kerf::Target&) {
+    const kerf::Bvh bvh = kerf::build(soup.mesh());
     for (const kerf::Ray& ray : rays) {
-      ASSERT_EQ(bvh.intersect(ray), best.intersect(ray)) << bvh.structure().kernels->target;
-      ASSERT_EQ(bvh.occluded(ray), best.occluded(ray)) << bvh.structure().kernels->target;
+      ASSERT_EQ(bvh.intersect(ray), best.intersect(ray));
+      ASSERT_EQ(bvh.occluded(ray), best.occluded(ray));
     }
-  }
+  });
 }
 
 // On a grid rays run through edges and vertices and points lie on surfaces.
@@ -51,8 +49,8 @@ TEST(Kernels, EveryInstructionSetGivesTheSameAnswersToQueries) {
   const TriangleSoup soup = random_soup(random, 2000, 0.3f, 0.2f);
   for (const kerf::TriangleMesh& mesh : {on_grid.mesh(), soup.mesh()}) {
     const kerf::Bvh best = kerf::build(mesh);
-    for (const char* target : {"AVX3", "AVX2", "SSE4", "SCALAR"}) {
-      const kerf::Bvh bvh = build_for(target, mesh);
+    kerf_tests::for_each_target([&](const kerf::Target&) {
+      const kerf::Bvh bvh = kerf::build(mesh);
       for (int i = 0; i < 500; ++i) {
         const kerf::Vec3f a = i % 2 ? random_point(random) : adversarial::grid_point(random, 4);
         const kerf::Vec3f b = i % 2 ? random_point(random) : adversarial::grid_point(random, 4);
@@ -61,23 +59,23 @@ TEST(Kernels, EveryInstructionSetGivesTheSameAnswersToQueries) {
           asked.all_hits({.origin = a, .direction = b}, [&](const kerf::Hit& hit) { all.push_back(hit); });
           return all;
         };
-        ASSERT_EQ(hits(bvh), hits(best)) << target;
-        ASSERT_EQ(bvh.contains(a), best.contains(a)) << target;
-        ASSERT_EQ(bvh.triangles_in({min(a, b), max(a, b)}), best.triangles_in({min(a, b), max(a, b)}))
-            << target;
-        ASSERT_EQ(bvh.closest_point(a), best.closest_point(a)) << target;
-        ASSERT_EQ(bvh.within(a, 0.5f), best.within(a, 0.5f)) << target;
+        ASSERT_EQ(hits(bvh), hits(best));
+        ASSERT_EQ(bvh.contains(a), best.contains(a));
+        ASSERT_EQ(bvh.triangles_in({min(a, b), max(a, b)}), best.triangles_in({min(a, b), max(a, b)}));
+        ASSERT_EQ(bvh.closest_point(a), best.closest_point(a));
+        ASSERT_EQ(bvh.within(a, 0.5f), best.within(a, 0.5f));
       }
-    }
+    });
   }
 }
 
-TEST(Kernels, TheScalarOnesRunEverywhere) {
+TEST(Kernels, AreThoseOfTheTargetThatTheEnvironmentNames) {
   std::mt19937 random(10);
   const TriangleSoup soup = random_soup(random, 10, 0.3f, 0.2f);
-  EXPECT_STREQ(build_for("SCALAR", soup.mesh()).structure().kernels->target, "SCALAR");
-  EXPECT_STREQ(build_for("none such", soup.mesh()).structure().kernels->target,
-               kerf::build(soup.mesh()).structure().kernels->target);
+  for (const kerf::Target& target : kerf::supported_targets())
+    EXPECT_EQ(target_for(target.name, soup.mesh()), target.name);
+  EXPECT_EQ(target_for("none such", soup.mesh()), kerf::supported_targets().front().name);
+  EXPECT_EQ(target_for("", soup.mesh()), kerf::supported_targets().front().name);
 }
 
 TEST(Kernels, CountingChangesNoHit) {
@@ -118,8 +116,8 @@ TEST(Kernels, RaysThatKeepTogetherAreHitAsSingleOnes) {
     }
     rays[100].direction = {};
     rays[200].t_max = -1.0f;
-    for (const char* target : {"AVX3", "AVX2", "SSE4", "SCALAR"}) {
-      const kerf::Bvh bvh = build_for(target, soup.mesh());
+    kerf_tests::for_each_target([&](const kerf::Target&) {
+      const kerf::Bvh bvh = kerf::build(soup.mesh());
       std::vector<kerf::Hit> hits(rays.size());
       std::vector<std::uint8_t> occluded(rays.size());
       bvh.intersect(rays, hits);
@@ -128,6 +126,6 @@ TEST(Kernels, RaysThatKeepTogetherAreHitAsSingleOnes) {
         ASSERT_EQ(hits[i], bvh.intersect(rays[i]).value_or(kerf::Hit{})) << i;
         ASSERT_EQ(occluded[i] != 0, bvh.occluded(rays[i])) << i;
       }
-    }
+    });
   }
 }

@@ -1,14 +1,13 @@
 // What `intersect` and `occluded` find, against rational arithmetic. They move each triangle's corners by
 // roundings, all triangles at a corner alike, so that a triangle must be hit where it is crossed at more than
 // that distance from its edges, and may be where it comes as near to the ray.
-#include <cstdlib>
-
 #include <gtest/gtest.h>
 
 #include "math/ray_box.hpp"
 #include "support/adversarial.hpp"
 #include "support/build_options.hpp"
 #include "support/exact_oracle.hpp"
+#include "support/targets.hpp"
 
 namespace kerf {
 namespace {
@@ -99,14 +98,11 @@ Soup slivers(std::mt19937& random, float thinness) {
 
 TEST(Intersect, HitsWhatMustBeHitAndNothingThatMayNot) {
   std::mt19937 random(1);
-  for (const char* target : {"AVX3", "AVX2", "SSE4", "SCALAR"}) {
-    SCOPED_TRACE(target);
+  kerf_tests::for_each_target([&](const Target&) {
     for (const float distance : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f}) {
       for (const float thinness : {1.0f, 1e-8f}) {
         const Soup triangles = slivers(random, thinness);
-        setenv("KERF_TARGET", target, 1);
         const Bvh bvh = build(triangles.mesh(), spatial_splits_everywhere());
-        unsetenv("KERF_TARGET");
         for (int i = 0; i < 30; ++i) {
           Ray ray = aim(random, triangles.triangles[random() % 40], distance);
           if (ray.direction == Vec3f{}) continue;
@@ -116,7 +112,7 @@ TEST(Intersect, HitsWhatMustBeHitAndNothingThatMayNot) {
         }
       }
     }
-  }
+  });
 }
 
 TEST(Intersect, HitsWhatMustBeHitFarFromTheOriginAndAtAnyScale) {

@@ -1,5 +1,5 @@
 // Bins on three axes, which object splits fill by centroids and spatial splits by where boxes begin and end.
-// Included once for each instruction set: see subtree.cpp.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_BINS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_CONSTRUCTION_SBVH_BINS_INL_H
@@ -10,6 +10,8 @@
 
 #include <cstddef>
 #include <cstring>
+
+#include <hwy/highway.h>
 
 #include "simd/box-inl.h"
 
@@ -42,12 +44,11 @@ struct alignas(64) Bins {
   }
 
   // The counts of the i-th bin of each axis, in three lanes.
-  HWY_INLINE hn::Vec<FourInts> counts(int i) const {
-    const Vec4 x = hn::Load(four, boxes[0][i]), y = hn::Load(four, boxes[1][i]),
-               z = hn::Load(four, boxes[2][i]);
-    const Vec4 xz = hn::InterleaveUpper(four, x, z), yy = hn::InterleaveUpper(four, y, y);
-    return hn::Sub(hn::BitCast(four_ints, hn::InterleaveUpper(four, xz, yy)),
-                   hn::Set(four_ints, no_references));
+  HWY_INLINE hn::Vec<IntTag4> counts(int i) const {
+    const Float4 x = hn::Load(f32x4, boxes[0][i]), y = hn::Load(f32x4, boxes[1][i]),
+                 z = hn::Load(f32x4, boxes[2][i]);
+    const Float4 xz = hn::InterleaveUpper(f32x4, x, z), yy = hn::InterleaveUpper(f32x4, y, y);
+    return hn::Sub(hn::BitCast(i32x4, hn::InterleaveUpper(f32x4, xz, yy)), hn::Set(i32x4, no_references));
   }
 };
 
@@ -128,4 +129,4 @@ struct BinMapping {
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
 
-#endif  // per target
+#endif

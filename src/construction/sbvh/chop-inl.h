@@ -1,5 +1,5 @@
 // A triangle, chopped at a plane.
-// Included once for each instruction set: see subtree.cpp.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_CHOP_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_CONSTRUCTION_SBVH_CHOP_INL_H
@@ -8,7 +8,10 @@
 #define KERF_CONSTRUCTION_SBVH_CHOP_INL_H
 #endif
 
+#include <hwy/highway.h>
+
 #include "construction/load_corner-inl.h"
+#include "construction/sbvh/reference-inl.h"
 #include "math/clip.hpp"
 #include "simd/box-inl.h"
 #include "tree/geometry.hpp"
@@ -23,10 +26,10 @@ HWY_NOINLINE ChildBoxes chop(const Geometry& geometry, const Reference& referenc
   const auto [mesh, primitive] = geometry.locate(reference.primitive);
   const TriangleMesh& m = geometry.meshes()[mesh];
   const auto [i0, i1, i2] = m.triangles[primitive].values;
-  const Vec4 corners[3] = {load_corner(m.vertices, i0), load_corner(m.vertices, i1),
-                           load_corner(m.vertices, i2)};
+  const Float4 corners[3] = {load_corner(m.vertices, i0), load_corner(m.vertices, i1),
+                             load_corner(m.vertices, i2)};
   alignas(16) float along[3][4];
-  for (int i = 0; i < 3; ++i) hn::Store(corners[i], four, along[i]);
+  for (int i = 0; i < 3; ++i) hn::Store(corners[i], f32x4, along[i]);
   const BoxMask before[3] = {box_mask(along[0][axis], plane), box_mask(along[1][axis], plane),
                              box_mask(along[2][axis], plane)};
   const BoxMask behind[3] = {box_mask(plane, along[0][axis]), box_mask(plane, along[1][axis]),
@@ -40,11 +43,11 @@ HWY_NOINLINE ChildBoxes chop(const Geometry& geometry, const Reference& referenc
     left = merge_if_not(behind[i], left, corner);
     right = merge_if_not(before[i], right, corner);
 
-    const Vec4 t = hn::Set(four, (plane - a) / (b - a));
-    const Vec4 at = hn::Add(corners[i], hn::Mul(t, hn::Sub(corners[j], corners[i])));
-    const Vec4 margin =
-        hn::Add(hn::Mul(hn::Set(four, chop_rounding), hn::Max(hn::Abs(corners[i]), hn::Abs(corners[j]))),
-                hn::Set(four, std::numeric_limits<float>::min()));
+    const Float4 t = hn::Set(f32x4, (plane - a) / (b - a));
+    const Float4 at = hn::Add(corners[i], hn::Mul(t, hn::Sub(corners[j], corners[i])));
+    const Float4 margin =
+        hn::Add(hn::Mul(hn::Set(f32x4, chop_rounding), hn::Max(hn::Abs(corners[i]), hn::Abs(corners[j]))),
+                hn::Set(f32x4, std::numeric_limits<float>::min()));
     const SimdBox crossing =
         from_halves(hn::Max(hn::Sub(at, margin), hn::Min(corners[i], corners[j])),
                     hn::Neg(hn::Min(hn::Add(at, margin), hn::Max(corners[i], corners[j]))));
@@ -53,10 +56,12 @@ HWY_NOINLINE ChildBoxes chop(const Geometry& geometry, const Reference& referenc
     right = merge_if(crosses, right, crossing);
   }
   const SimdBox box = load_box(reference);
-  const auto on_axis = hn::Eq(hn::Iota(four, 0.0f), hn::Set(four, static_cast<float>(axis)));
-  const Vec4 nowhere = hn::Set(four, -infinity);
-  const SimdBox left_of_plane = from_halves(nowhere, hn::IfThenElse(on_axis, hn::Set(four, -plane), nowhere));
-  const SimdBox right_of_plane = from_halves(hn::IfThenElse(on_axis, hn::Set(four, plane), nowhere), nowhere);
+  const auto on_axis = hn::Eq(hn::Iota(f32x4, 0.0f), hn::Set(f32x4, static_cast<float>(axis)));
+  const Float4 nowhere = hn::Set(f32x4, -infinity);
+  const SimdBox left_of_plane =
+      from_halves(nowhere, hn::IfThenElse(on_axis, hn::Set(f32x4, -plane), nowhere));
+  const SimdBox right_of_plane =
+      from_halves(hn::IfThenElse(on_axis, hn::Set(f32x4, plane), nowhere), nowhere);
   return {intersect(intersect(left, left_of_plane), box), intersect(intersect(right, right_of_plane), box)};
 }
 
@@ -64,4 +69,4 @@ HWY_NOINLINE ChildBoxes chop(const Geometry& geometry, const Reference& referenc
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
 
-#endif  // per target
+#endif

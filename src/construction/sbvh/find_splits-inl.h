@@ -1,5 +1,5 @@
 // The best object split of a node, and the best spatial one where that may be worth it.
-// Included once for each instruction set: see subtree.cpp.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_FIND_SPLITS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_CONSTRUCTION_SBVH_FIND_SPLITS_INL_H
@@ -7,6 +7,8 @@
 #else
 #define KERF_CONSTRUCTION_SBVH_FIND_SPLITS_INL_H
 #endif
+
+#include <hwy/highway.h>
 
 #include "base/parallel.hpp"
 #include "construction/sbvh/object_split-inl.h"
@@ -112,4 +114,4 @@ HWY_NOINLINE Splits find_splits(const BuildContext& context, const NodeInput& no
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
 
-#endif  // per target
+#endif

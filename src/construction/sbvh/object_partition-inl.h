@@ -1,5 +1,5 @@
 // Object splits carried out in place.
-// Included once for each instruction set: see subtree.cpp.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_OBJECT_PARTITION_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_CONSTRUCTION_SBVH_OBJECT_PARTITION_INL_H
@@ -11,8 +11,11 @@
 #include <algorithm>
 #include <cstddef>
 
+#include <hwy/highway.h>
+
 #include "construction/sbvh/object_split-inl.h"
 #include "construction/sbvh/object_sweep-inl.h"
+#include "construction/sbvh/reference-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -132,4 +135,4 @@ HWY_INLINE std::uint32_t partition_few(Reference* references, std::uint32_t coun
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
 
-#endif  // per target
+#endif

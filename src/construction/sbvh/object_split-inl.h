@@ -1,5 +1,5 @@
 // Object splits: every reference goes whole to one child. The cheapest of those between bins.
-// Included once for each instruction set: see subtree.cpp.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_OBJECT_SPLIT_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_CONSTRUCTION_SBVH_OBJECT_SPLIT_INL_H
@@ -8,7 +8,10 @@
 #define KERF_CONSTRUCTION_SBVH_OBJECT_SPLIT_INL_H
 #endif
 
+#include <hwy/highway.h>
+
 #include "construction/sbvh/bins-inl.h"
+#include "construction/sbvh/reference-inl.h"
 #include "simd/box-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -35,17 +38,17 @@ HWY_INLINE float doubled_centroid(const Reference& reference, int axis) {
 
 // How a box finds its bins by its centroid.
 struct ObjectBinner {
-  Vec4 origin, scale, last;
+  Float4 origin, scale, last;
 
   HWY_INLINE void find(const SimdBox& box, float* places) const {
-    const Vec4 place = hn::Mul(hn::Sub(doubled_centroid(box), origin), scale);
-    hn::Store(hn::Add(hn::Min(hn::Floor(place), last), hn::Set(four, bin_magic)), four, places);
+    const Float4 place = hn::Mul(hn::Sub(doubled_centroid(box), origin), scale);
+    hn::Store(hn::Add(hn::Min(hn::Floor(place), last), hn::Set(f32x4, bin_magic)), f32x4, places);
   }
 };
 
 HWY_INLINE ObjectBinner object_binner(const BinMapping& mapping, int bin_count) {
-  return {hn::Load(four, mapping.origin), hn::Load(four, mapping.scale),
-          hn::Set(four, static_cast<float>(bin_count - 1))};
+  return {hn::Load(f32x4, mapping.origin), hn::Load(f32x4, mapping.scale),
+          hn::Set(f32x4, static_cast<float>(bin_count - 1))};
 }
 
 HWY_NOINLINE void fill(Bins& bins, const Reference* references, std::uint32_t count,
@@ -67,28 +70,28 @@ HWY_NOINLINE ObjectSplit cheapest(const Bins& bins, std::uint32_t count, const B
     x = merge(x, bins.box(0, i));
     y = merge(y, bins.box(1, i));
     z = merge(z, bins.box(2, i));
-    hn::Store(half_areas(x, y, z), four, right_areas[i]);
+    hn::Store(half_areas(x, y, z), f32x4, right_areas[i]);
   }
   x = y = z = empty_box();
-  auto left = hn::Zero(four_ints);
-  const Vec4 total = hn::Set(four, static_cast<float>(count));
-  Vec4 best_cost = hn::Set(four, infinity), best_plane = hn::Zero(four);
+  auto left = hn::Zero(i32x4);
+  const Float4 total = hn::Set(f32x4, static_cast<float>(count));
+  Float4 best_cost = hn::Set(f32x4, infinity), best_plane = hn::Zero(f32x4);
   for (int i = 1; i < bin_count; ++i) {
     x = merge(x, bins.box(0, i - 1));
     y = merge(y, bins.box(1, i - 1));
     z = merge(z, bins.box(2, i - 1));
     left = hn::Add(left, bins.counts(i - 1));
-    const Vec4 left_count = hn::ConvertTo(four, left);
+    const Float4 left_count = hn::ConvertTo(f32x4, left);
     // An empty side has infinite area and no references: not a number, which is less than nothing.
-    const Vec4 cost = hn::Add(hn::Mul(half_areas(x, y, z), left_count),
-                              hn::Mul(hn::Load(four, right_areas[i]), hn::Sub(total, left_count)));
+    const Float4 cost = hn::Add(hn::Mul(half_areas(x, y, z), left_count),
+                                hn::Mul(hn::Load(f32x4, right_areas[i]), hn::Sub(total, left_count)));
     const auto better = hn::Lt(cost, best_cost);
     best_cost = hn::IfThenElse(better, cost, best_cost);
-    best_plane = hn::IfThenElse(better, hn::Set(four, static_cast<float>(i)), best_plane);
+    best_plane = hn::IfThenElse(better, hn::Set(f32x4, static_cast<float>(i)), best_plane);
   }
   alignas(16) float costs[4], planes[4];
-  hn::Store(best_cost, four, costs);
-  hn::Store(best_plane, four, planes);
+  hn::Store(best_cost, f32x4, costs);
+  hn::Store(best_plane, f32x4, planes);
   ObjectSplit split;
   for (int axis = 0; axis < 3; ++axis) {
     if (costs[axis] < split.cost && mapping.scale[axis] > 0.0f) {
@@ -111,4 +114,4 @@ HWY_INLINE ChildBoxes child_boxes(const Bins& bins, const ObjectSplit& split, in
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
 
-#endif  // per target
+#endif

@@ -1,5 +1,5 @@
 // The cheapest object split of all, for few references.
-// Included once for each instruction set: see subtree.cpp.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_OBJECT_SWEEP_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_CONSTRUCTION_SBVH_OBJECT_SWEEP_INL_H
@@ -9,6 +9,8 @@
 #endif
 
 #include <cstring>
+
+#include <hwy/highway.h>
 
 #include "construction/sbvh/object_split-inl.h"
 
@@ -112,4 +114,4 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
 
-#endif  // per target
+#endif

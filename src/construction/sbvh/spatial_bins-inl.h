@@ -1,5 +1,5 @@
 // Spatial splits, the first look: references in bins, and the plane of each axis that promises most.
-// Included once for each instruction set: see subtree.cpp.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_SPATIAL_BINS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_CONSTRUCTION_SBVH_SPATIAL_BINS_INL_H
@@ -8,8 +8,11 @@
 #define KERF_CONSTRUCTION_SBVH_SPATIAL_BINS_INL_H
 #endif
 
+#include <hwy/highway.h>
+
 #include "construction/sbvh/bins-inl.h"
 #include "construction/sbvh/object_split-inl.h"
+#include "construction/sbvh/reference-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -29,25 +32,25 @@ struct SpatialBins {
 // How a box finds the bins in which it begins and ends.
 struct SpatialBinner {
   SimdBox origin, scale;
-  Vec4 last;
+  Float4 last;
 
   // Writes where it begins on each axis, then where it ends.
   HWY_INLINE void find(const SimdBox& box, float* places) const {
     const SimdBox floors = floor_of_scaled(box, origin, scale);
     // A box that ends on a plane does not reach into the bin behind it: its last bin is the ceiling of its
     // end less one.
-    const Vec4 first = lower_of(floors);
-    const Vec4 end = hn::Max(hn::Sub(hn::Set(four, -1.0f), negated_upper_of(floors)), first);
-    const Vec4 magic = hn::Set(four, bin_magic);
+    const Float4 first = lower_of(floors);
+    const Float4 end = hn::Max(hn::Sub(hn::Set(f32x4, -1.0f), negated_upper_of(floors)), first);
+    const Float4 magic = hn::Set(f32x4, bin_magic);
     store_bin(sum(merge(from_halves(first, end), from_halves(last, last)), from_halves(magic, magic)),
               places);
   }
 };
 
 HWY_INLINE SpatialBinner spatial_binner(const BinMapping& mapping) {
-  const Vec4 origin = hn::Load(four, mapping.origin), scale = hn::Load(four, mapping.scale);
+  const Float4 origin = hn::Load(f32x4, mapping.origin), scale = hn::Load(f32x4, mapping.scale);
   return {from_halves(origin, hn::Neg(origin)), from_halves(scale, scale),
-          hn::Set(four, static_cast<float>(spatial_bin_count - 1))};
+          hn::Set(f32x4, static_cast<float>(spatial_bin_count - 1))};
 }
 
 HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint32_t count,
@@ -103,11 +106,11 @@ struct HalfSpaces {
 
   // Behind each plane if `side` is 1, before it if -1.
   HWY_INLINE HalfSpaces(const Box3f& box, int axis, float side) {
-    const auto on_axis = hn::Eq(hn::Iota(four, 0.0f), hn::Set(four, static_cast<float>(axis)));
+    const auto on_axis = hn::Eq(hn::Iota(f32x4, 0.0f), hn::Set(f32x4, static_cast<float>(axis)));
     const float width = (box.upper[axis] - box.lower[axis]) * (1.0f / static_cast<float>(spatial_bin_count));
-    const Vec4 nowhere = hn::Set(four, -infinity), still = hn::Zero(four);
-    const Vec4 from = hn::IfThenElse(on_axis, hn::Set(four, side * box.lower[axis]), nowhere);
-    const Vec4 by = hn::IfThenElse(on_axis, hn::Set(four, side * width), still);
+    const Float4 nowhere = hn::Set(f32x4, -infinity), still = hn::Zero(f32x4);
+    const Float4 from = hn::IfThenElse(on_axis, hn::Set(f32x4, side * box.lower[axis]), nowhere);
+    const Float4 by = hn::IfThenElse(on_axis, hn::Set(f32x4, side * width), still);
     first = side > 0.0f ? from_halves(from, nowhere) : from_halves(nowhere, from);
     step = side > 0.0f ? from_halves(by, still) : from_halves(still, by);
   }
@@ -131,32 +134,32 @@ HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3
     x = merge(x, bins.ends.box(0, i));
     y = merge(y, bins.ends.box(1, i));
     z = merge(z, bins.ends.box(2, i));
-    const Vec4 areas = half_areas(intersect(x, behind[0].at(i)), intersect(y, behind[1].at(i)),
-                                  intersect(z, behind[2].at(i)));
-    hn::Store(areas, four, right_areas[i]);
+    const Float4 areas = half_areas(intersect(x, behind[0].at(i)), intersect(y, behind[1].at(i)),
+                                    intersect(z, behind[2].at(i)));
+    hn::Store(areas, f32x4, right_areas[i]);
   }
   x = y = z = empty_box();
-  auto left = hn::Zero(four_ints), right = hn::Set(four_ints, static_cast<std::int32_t>(count));
-  const Vec4 most = hn::Set(four, static_cast<float>(count) + static_cast<float>(slack));
-  Vec4 best_cost = hn::Set(four, infinity), best_number = hn::Zero(four);
+  auto left = hn::Zero(i32x4), right = hn::Set(i32x4, static_cast<std::int32_t>(count));
+  const Float4 most = hn::Set(f32x4, static_cast<float>(count) + static_cast<float>(slack));
+  Float4 best_cost = hn::Set(f32x4, infinity), best_number = hn::Zero(f32x4);
   for (int i = 1; i < spatial_bin_count; ++i) {
     x = merge(x, bins.begins.box(0, i - 1));
     y = merge(y, bins.begins.box(1, i - 1));
     z = merge(z, bins.begins.box(2, i - 1));
     left = hn::Add(left, bins.begins.counts(i - 1));
     right = hn::Sub(right, bins.ends.counts(i - 1));
-    const Vec4 left_count = hn::ConvertTo(four, left), right_count = hn::ConvertTo(four, right);
-    const Vec4 left_areas = half_areas(intersect(x, before[0].at(i)), intersect(y, before[1].at(i)),
-                                       intersect(z, before[2].at(i)));
-    const Vec4 cost =
-        hn::Add(hn::Mul(left_areas, left_count), hn::Mul(hn::Load(four, right_areas[i]), right_count));
+    const Float4 left_count = hn::ConvertTo(f32x4, left), right_count = hn::ConvertTo(f32x4, right);
+    const Float4 left_areas = half_areas(intersect(x, before[0].at(i)), intersect(y, before[1].at(i)),
+                                         intersect(z, before[2].at(i)));
+    const Float4 cost =
+        hn::Add(hn::Mul(left_areas, left_count), hn::Mul(hn::Load(f32x4, right_areas[i]), right_count));
     const auto better = hn::And(hn::Lt(cost, best_cost), hn::Le(hn::Add(left_count, right_count), most));
     best_cost = hn::IfThenElse(better, cost, best_cost);
-    best_number = hn::IfThenElse(better, hn::Set(four, static_cast<float>(i)), best_number);
+    best_number = hn::IfThenElse(better, hn::Set(f32x4, static_cast<float>(i)), best_number);
   }
   alignas(16) float costs[4], numbers[4];
-  hn::Store(best_cost, four, costs);
-  hn::Store(best_number, four, numbers);
+  hn::Store(best_cost, f32x4, costs);
+  hn::Store(best_number, f32x4, numbers);
   PlaneCandidates candidates;
   for (int axis = 0; axis < 3; ++axis) {
     candidates.costs[axis] = costs[axis];
@@ -169,4 +172,4 @@ HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
 
-#endif  // per target
+#endif

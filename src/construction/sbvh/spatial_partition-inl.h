@@ -1,5 +1,5 @@
 // Spatial splits carried out in place.
-// Included once for each instruction set: see subtree.cpp.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_SPATIAL_PARTITION_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_CONSTRUCTION_SBVH_SPATIAL_PARTITION_INL_H
@@ -8,7 +8,10 @@
 #define KERF_CONSTRUCTION_SBVH_SPATIAL_PARTITION_INL_H
 #endif
 
+#include <hwy/highway.h>
+
 #include "construction/sbvh/chop-inl.h"
+#include "construction/sbvh/reference-inl.h"
 #include "construction/sbvh/spatial_split-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -87,4 +90,4 @@ HWY_NOINLINE SpatialPartition partition(const Geometry& geometry, Reference* ref
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
 
-#endif  // per target
+#endif

@@ -1,5 +1,6 @@
 // Spatial splits: a plane parts the node, and references that straddle it go to both children (Stich,
-// Friedrich & Dietrich 2009, section 4). Included once for each instruction set: see subtree.cpp.
+// Friedrich & Dietrich 2009, section 4).
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_SPATIAL_SPLIT_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_CONSTRUCTION_SBVH_SPATIAL_SPLIT_INL_H
@@ -10,6 +11,8 @@
 
 #include <algorithm>
 #include <utility>
+
+#include <hwy/highway.h>
 
 #include "construction/sbvh/arena.hpp"
 #include "construction/sbvh/chop-inl.h"
@@ -177,4 +180,4 @@ HWY_NOINLINE SpatialSplit find_spatial_split(const Geometry& geometry, const Spa
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
 
-#endif  // per target
+#endif

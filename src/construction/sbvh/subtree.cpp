@@ -5,18 +5,19 @@
 #include <cstring>
 #include <utility>
 
+#define KERF_FOUR_LANES
+#include "simd/targets.hpp"
 #include "tree/measures/measures.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "construction/sbvh/subtree.cpp"
-#define HWY_COMPILE_ALL_ATTAINABLE      // the scalar one where every machine has SSE2, too: tests need it
-#define HWY_DISABLED_TARGETS HWY_SSSE3  // such old machines take the scalar one
-#define HWY_BROKEN_EMU128 0  // which has four lanes all the same; tests hold it to the others' trees
 #include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
 #include "construction/sbvh/find_splits-inl.h"
 #include "construction/sbvh/object_partition-inl.h"
 #include "construction/sbvh/object_sweep-inl.h"
+#include "construction/sbvh/reference-inl.h"
 #include "construction/sbvh/spatial_partition-inl.h"
 #include "simd/box-inl.h"
 
@@ -170,28 +171,28 @@ class SubtreeBuilder {
   std::uint32_t node_count_ = 1, reference_count_ = 0;
 };
 
-bool SplitNode(const BuildContext& context, const NodeInput& node, NodeInput& left, NodeInput& right) {
+bool split_node(const BuildContext& context, const NodeInput& node, NodeInput& left, NodeInput& right) {
   return split(context, node, left, right);
 }
 
-SubtreeSize BuildSubtree(const BuildContext& context, const NodeInput& node, BinaryNode* nodes,
-                         std::uint32_t* references) {
+SubtreeSize build_subtree(const BuildContext& context, const NodeInput& node, BinaryNode* nodes,
+                          std::uint32_t* references) {
   return SubtreeBuilder(context, nodes, references).build(node);
 }
 
-void ChopReference(const Geometry& geometry, const Reference& reference, int axis, float plane, Box3f& left,
-                   Box3f& right) {
-  const ChildBoxes parts = chop(geometry, reference, axis, plane);
+void chop_reference(const BuildContext& context, const Reference& reference, int axis, float plane,
+                    Box3f& left, Box3f& right) {
+  const ChildBoxes parts = chop(*context.geometry, reference, axis, plane);
   left = to_box3f(parts.left);
   right = to_box3f(parts.right);
 }
 
-SplitCosts BinNode(const BuildContext& context, const NodeInput& node) {
+SplitCosts bin_node(const BuildContext& context, const NodeInput& node) {
   const Splits splits = find_splits(context, node);
   return {splits.object.cost, splits.spatial.cost};
 }
 
-std::uint32_t PartitionReferences(Reference* references, std::uint32_t count, int axis, float position) {
+std::uint32_t partition_references(Reference* references, std::uint32_t count, int axis, float position) {
   ObjectSplit split{};
   split.axis = axis;
   split.scale = 1.0f;
@@ -207,32 +208,33 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace kerf {
 
-HWY_EXPORT(SplitNode);
-HWY_EXPORT(BuildSubtree);
-HWY_EXPORT(ChopReference);
-HWY_EXPORT(BinNode);
-HWY_EXPORT(PartitionReferences);
+HWY_EXPORT(split_node);
+HWY_EXPORT(build_subtree);
+HWY_EXPORT(chop_reference);
+HWY_EXPORT(bin_node);
+HWY_EXPORT(partition_references);
 
 bool split_node(const BuildContext& context, const NodeInput& node, NodeInput& left, NodeInput& right) {
-  return HWY_DYNAMIC_DISPATCH(SplitNode)(context, node, left, right);
+  return KERF_DISPATCH(split_node, context.target)(context, node, left, right);
 }
 
 SubtreeSize build_subtree(const BuildContext& context, const NodeInput& node, BinaryNode* nodes,
                           std::uint32_t* references) {
-  return HWY_DYNAMIC_DISPATCH(BuildSubtree)(context, node, nodes, references);
+  return KERF_DISPATCH(build_subtree, context.target)(context, node, nodes, references);
 }
 
-void chop_reference(const Geometry& geometry, const Reference& reference, int axis, float plane, Box3f& left,
-                    Box3f& right) {
-  HWY_DYNAMIC_DISPATCH(ChopReference)(geometry, reference, axis, plane, left, right);
+void chop_reference(const BuildContext& context, const Reference& reference, int axis, float plane,
+                    Box3f& left, Box3f& right) {
+  KERF_DISPATCH(chop_reference, context.target)(context, reference, axis, plane, left, right);
 }
 
 SplitCosts bin_node(const BuildContext& context, const NodeInput& node) {
-  return HWY_DYNAMIC_DISPATCH(BinNode)(context, node);
+  return KERF_DISPATCH(bin_node, context.target)(context, node);
 }
 
-std::uint32_t partition_references(Reference* references, std::uint32_t count, int axis, float position) {
-  return HWY_DYNAMIC_DISPATCH(PartitionReferences)(references, count, axis, position);
+std::uint32_t partition_references(const BuildContext& context, std::uint32_t count, int axis,
+                                   float position) {
+  return KERF_DISPATCH(partition_references, context.target)(context.arena, count, axis, position);
 }
 
 }  // namespace kerf

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "construction/sbvh/arena.hpp"
+#include "simd/dispatch.hpp"
 #include "tree/binary_tree.hpp"
 #include "tree/geometry.hpp"
 
@@ -17,6 +18,7 @@ struct BuildContext {
   float absolute_overlap = 0.0f;      ///< alpha times the root's half area: less is not worth a spatial split
   float relative_overlap = 0.0f;      ///< the same, as a part of the node's own half area
   std::uint32_t spatial_minimum = 2;  ///< nodes of fewer references are not worth one either
+  Target target = choose_target();
 };
 
 /// A node to be split.
@@ -42,8 +44,8 @@ SubtreeSize build_subtree(const BuildContext& context, const NodeInput& node, Bi
 // The steps of a split on their own, for tests and measurements:
 
 /// Both children of a reference that is chopped, as `chop` in math/clip.hpp.
-void chop_reference(const Geometry& geometry, const Reference& reference, int axis, float plane, Box3f& left,
-                    Box3f& right);
+void chop_reference(const BuildContext& context, const Reference& reference, int axis, float plane,
+                    Box3f& left, Box3f& right);
 
 /// What the cheapest splits of a node cost, half area times references summed over the children; infinite
 /// where there is none, or where the spatial one is no cheaper.
@@ -52,8 +54,9 @@ struct SplitCosts {
 };
 SplitCosts bin_node(const BuildContext& context, const NodeInput& node);
 
-/// Brings the references whose doubled centroids lie below `position` to the front; returns how many they
-/// are.
-std::uint32_t partition_references(Reference* references, std::uint32_t count, int axis, float position);
+/// Brings those of the first `count` references of the arena whose doubled centroids lie below `position` to
+/// the front; returns how many they are.
+std::uint32_t partition_references(const BuildContext& context, std::uint32_t count, int axis,
+                                   float position);
 
 }  // namespace kerf

@@ -1,4 +1,5 @@
-// A point and the sixteen boxes of a node. Included once per instruction set.
+// A point and the sixteen boxes of a node.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_POINTS_POINT_BOXES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_TRAVERSAL_POINTS_POINT_BOXES_INL_H
@@ -10,6 +11,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+
+#include <hwy/highway.h>
 
 #include "layout/wide_bvh.hpp"
 #include "math/point_box.hpp"

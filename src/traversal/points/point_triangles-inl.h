@@ -1,4 +1,5 @@
-// A point and all triangles of a leaf. Included once per instruction set.
+// A point and all triangles of a leaf.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_POINTS_POINT_TRIANGLES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_TRAVERSAL_POINTS_POINT_TRIANGLES_INL_H
@@ -9,6 +10,8 @@
 
 #include <algorithm>
 #include <bit>
+
+#include <hwy/highway.h>
 
 #include "simd/doubles-inl.h"
 #include "traversal/points/near_triangle.hpp"

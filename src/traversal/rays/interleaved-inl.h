@@ -1,4 +1,5 @@
-// Many rays by turns on one core. Included once per instruction set.
+// Many rays by turns on one core.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_RAYS_INTERLEAVED_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_TRAVERSAL_RAYS_INTERLEAVED_INL_H
@@ -12,6 +13,7 @@
 #include <limits>
 
 #include <hwy/cache_control.h>
+#include <hwy/highway.h>
 
 #include "simd/compress-inl.h"
 #include "simd/floats-inl.h"

@@ -1,4 +1,5 @@
-// A ray against all triangles of a leaf at once. Included once per instruction set.
+// A ray against all triangles of a leaf at once.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_RAYS_LEAF_TEST_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_TRAVERSAL_RAYS_LEAF_TEST_INL_H
@@ -8,6 +9,8 @@
 #endif
 
 #include <bit>
+
+#include <hwy/highway.h>
 
 #include "math/ray_triangle.hpp"
 #include "simd/floats-inl.h"

@@ -1,4 +1,5 @@
-// A ray against the sixteen boxes of a node. Included once per instruction set.
+// A ray against the sixteen boxes of a node.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_RAYS_NODE_STEP_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_TRAVERSAL_RAYS_NODE_STEP_INL_H
@@ -11,8 +12,11 @@
 #include <bit>
 #include <cstring>
 
+#include <hwy/highway.h>
+
 #include "simd/compress-inl.h"
 #include "simd/floats-inl.h"
+#include "simd/targets.hpp"
 #include "traversal/rays/wide_ray-inl.h"
 #include "tree/binary_tree.hpp"
 
@@ -67,7 +71,7 @@ HWY_INLINE Spans meet_boxes(const Constants& ray, BoxVector t_best, const WideNo
   return spans;
 }
 
-#if HWY_TARGET <= HWY_AVX3
+#if KERF_FLOAT_LANES == 16
 // The slots from far to near.
 HWY_INLINE auto far_to_near_slots(const WideNode& node, std::uint32_t octant) {
   const hn::RebindToUnsigned<Sixteen::Tag> integers;
@@ -87,7 +91,7 @@ struct MetSlots {
 
 // From the lowest up.
 HWY_INLINE void list_met(std::uint32_t met, MetSlots& to) {
-#if HWY_TARGET == HWY_SCALAR
+#if KERF_FLOAT_LANES == 1
   std::size_t end = 0;
   for (std::uint32_t rest = met; rest != 0; rest &= rest - 1)
     to.slot[end++] = static_cast<std::uint8_t>(std::countr_zero(rest));
@@ -103,7 +107,7 @@ HWY_INLINE void list_met(std::uint32_t met, MetSlots& to) {
 
 // From far to near.
 HWY_INLINE void list_met(std::uint32_t met, std::uint64_t order, MetSlots& to) {
-#if HWY_TARGET == HWY_SCALAR
+#if KERF_FLOAT_LANES == 1
   std::size_t end = 0;
   for (int place = 15; place >= 0; --place) {
     to.slot[end] = static_cast<std::uint8_t>((order >> (4 * place)) & 15);
@@ -138,7 +142,7 @@ template <bool any_hit, std::size_t nodes_a_step>
 HWY_INLINE void push_children(const WideNode& node, const Spans& spans, std::uint32_t octant,
                               Stack<nodes_a_step>& stack, std::size_t& depth, std::uint32_t& nearest) {
   const std::uint32_t met = less_or_equal(spans.first, spans.last);
-#if HWY_TARGET <= HWY_AVX3
+#if KERF_FLOAT_LANES == 16
   const Sixteen::Tag floats;
   const hn::RebindToUnsigned<Sixteen::Tag> integers;
   const auto links = hn::LoadU(integers, reinterpret_cast<const std::uint32_t*>(node.children));
@@ -179,29 +183,6 @@ HWY_INLINE void push_children(const WideNode& node, const Spans& spans, std::uin
   nearest = stack.link[depth - 1];
 #endif
 }
-
-#if HWY_TARGET <= HWY_AVX2
-// Writes the slots of the children that are met, from far to near, and returns their number.
-HWY_INLINE std::uint32_t far_to_near(const WideNode& node, const Spans& spans, std::uint32_t octant,
-                                     std::uint32_t (&out)[wide_node_children]) {
-  const std::uint32_t met = less_or_equal(spans.first, spans.last);
-  const auto count = static_cast<std::uint32_t>(std::popcount(met));
-#if HWY_TARGET <= HWY_AVX3
-  const Sixteen::Tag floats;
-  const hn::RebindToUnsigned<Sixteen::Tag> integers;
-  const auto slots = far_to_near_slots(node, octant);
-  const auto float_slots = hn::IndicesFromVec(floats, slots);
-  const auto mask = hn::Le(hn::TableLookupLanes(spans.first.part[0], float_slots),
-                           hn::TableLookupLanes(spans.last.part[0], float_slots));
-  hn::StoreU(compress(slots, mask), integers, out);
-#else
-  MetSlots slots;
-  list_met(met, node.order[octant], slots);
-  std::copy_n(slots.slot, count, out);
-#endif
-  return count;
-}
-#endif
 
 }  // namespace
 }  // namespace HWY_NAMESPACE

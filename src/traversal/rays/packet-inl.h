@@ -1,4 +1,5 @@
-// Rays that keep together, traced together. Included once per instruction set.
+// Rays that keep together, traced together.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_RAYS_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_TRAVERSAL_RAYS_PACKET_INL_H
@@ -12,17 +13,43 @@
 #include <cstdint>
 #include <limits>
 
+#include <hwy/highway.h>
+
 #include "math/ray_triangle.hpp"
 #include "simd/floats-inl.h"
+#include "simd/targets.hpp"
 #include "traversal/rays/leaf_test-inl.h"
 #include "traversal/rays/node_step-inl.h"
 #include "traversal/rays/wide_ray-inl.h"
 
-#if HWY_TARGET <= HWY_AVX2
+// With fewer lanes, packets are slower than rays one after another.
+#define KERF_PACKETS (KERF_FLOAT_LANES >= 8 && HWY_NATIVE_FMA)
+#if KERF_PACKETS
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
+
+// Writes the slots of the children that are met, from far to near, and returns their number.
+HWY_INLINE std::uint32_t far_to_near(const WideNode& node, const Spans& spans, std::uint32_t octant,
+                                     std::uint32_t (&out)[wide_node_children]) {
+  const std::uint32_t met = less_or_equal(spans.first, spans.last);
+  const auto count = static_cast<std::uint32_t>(std::popcount(met));
+#if KERF_FLOAT_LANES == 16
+  const Sixteen::Tag floats;
+  const hn::RebindToUnsigned<Sixteen::Tag> integers;
+  const auto slots = far_to_near_slots(node, octant);
+  const auto float_slots = hn::IndicesFromVec(floats, slots);
+  const auto mask = hn::Le(hn::TableLookupLanes(spans.first.part[0], float_slots),
+                           hn::TableLookupLanes(spans.last.part[0], float_slots));
+  hn::StoreU(compress(slots, mask), integers, out);
+#else
+  MetSlots slots;
+  list_met(met, node.order[octant], slots);
+  std::copy_n(slots.slot, count, out);
+#endif
+  return count;
+}
 
 // As many rays as a vector has lanes, whose directions lie in one octant, are largest along the same axis and
 // differ little. A node's sixteen boxes are tested against the bundle as a whole, in interval arithmetic

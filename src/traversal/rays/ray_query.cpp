@@ -5,6 +5,7 @@
 
 #include "math/ray_box.hpp"
 #include "math/ray_triangle.hpp"
+#include "simd/dispatch.hpp"
 #include "simd/targets.hpp"
 #include "traversal/dispatch.hpp"
 #include "traversal/rays/prepared_ray.hpp"
@@ -117,7 +118,7 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
 // In one piece: whoever reads the hit next reads it in larger pieces than fields, and waits if it was written
 // field by field.
 HWY_INLINE void write(const Hit& from, Hit& to) {
-#if HWY_TARGET == HWY_SCALAR
+#if KERF_FLOAT_LANES == 1
   to = from;
 #else
   const FourTag tag;
@@ -165,7 +166,7 @@ HWY_ATTR bool any_counted(const WideBvh& bvh, const Ray& ray, TraversalCounters&
   return static_cast<bool>(trace_any_ray<true, true>(bvh, ray, &counters));
 }
 
-#if HWY_TARGET <= HWY_AVX2
+#if KERF_PACKETS
 // Packets where rays keep together; the others, all at once, by turns. `finish(i, hit)` is called once for
 // each ray.
 template <bool any_hit, class Finish>
@@ -284,22 +285,12 @@ const Kernels* kernels() {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include <cstdlib>
-#include <string_view>
-
 namespace kerf {
 
 HWY_EXPORT(kernels);
 
 const Kernels& choose_kernels() {
-  std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
-  const char* wanted = std::getenv("KERF_TARGET");
-  for (std::int64_t rest = targets; wanted && rest != 0; rest &= rest - 1) {
-    if (std::string_view(wanted) == hwy::TargetName(rest & -rest)) targets = rest & -rest;
-  }
-  hwy::ChosenTarget chosen;
-  chosen.Update(targets);
-  return *HWY_DISPATCH_TABLE(kernels)[chosen.GetIndex()]();
+  return *KERF_DISPATCH(kernels, choose_target())();
 }
 
 }  // namespace kerf

@@ -1,4 +1,5 @@
-// A ray as the wide kernels need it. Included once per instruction set.
+// A ray as the wide kernels need it.
+// Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_RAYS_WIDE_RAY_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KERF_TRAVERSAL_RAYS_WIDE_RAY_INL_H
@@ -13,10 +14,13 @@
 #include <cstring>
 #include <limits>
 
+#include <hwy/highway.h>
+
 #include "layout/wide_bvh.hpp"
 #include "math/ray_box.hpp"
 #include "math/ray_triangle.hpp"
 #include "simd/floats-inl.h"
+#include "simd/targets.hpp"
 #include "traversal/rays/prepared_ray.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -27,7 +31,7 @@ namespace {
 // As many boxes of a node as go into one vector, or what is the same for all of them.
 using BoxVector = hn::Vec<Sixteen::Tag>;
 
-#if HWY_TARGET == HWY_SCALAR
+#if KERF_FLOAT_LANES == 1
 struct Four {
   float lane[4];
 };
@@ -45,11 +49,11 @@ using Four = hn::Vec<FourTag>;
 // Lane i in all lanes, without a way through memory.
 template <int i>
 HWY_INLINE BoxVector broadcast_lane(Four v) {
-#if HWY_TARGET <= HWY_AVX2
+#if KERF_FLOAT_LANES >= 8
   const Sixteen::Tag tag;
   const auto index = hn::IndicesFromVec(tag, hn::Set(hn::RebindToSigned<Sixteen::Tag>(), i));
   const auto eight = hn::ZeroExtendVector(FloatTag(), v);
-#if HWY_TARGET <= HWY_AVX3
+#if KERF_FLOAT_LANES == 16
   return hn::TableLookupLanes(hn::ZeroExtendVector(tag, eight), index);
 #else
   return hn::TableLookupLanes(eight, index);
@@ -82,7 +86,7 @@ HWY_INLINE float least_value(float distance) {
   return distance < 0x1p36f ? SinglePrecision::least_value : std::numeric_limits<float>::infinity();
 }
 
-#if HWY_TARGET == HWY_SCALAR
+#if KERF_FLOAT_LANES == 1
 HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   out = {};
   const PreparedRay prepared(ray);

@@ -1,0 +1,56 @@
+#include "simd/dispatch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "simd/targets.hpp"
+
+namespace kerf {
+namespace {
+
+// All dispatch tables have one shape, since all files of kernels include simd/targets.hpp. Where one target
+// alone is compiled, tables have one entry.
+std::size_t table_index(std::int64_t target) {
+  if ((HWY_TARGETS & (HWY_TARGETS - 1)) == 0) return 0;
+  hwy::ChosenTarget chosen;
+  chosen.Update(target);
+  return chosen.GetIndex();
+}
+
+struct TargetList {
+  std::array<Target, 64> targets;
+  std::size_t count = 0;
+
+  TargetList() {
+    // The compiler itself uses the static target, so that the machine has it, whatever Highway says: it does
+    // not report NEON where AES is missing, which kernels do not use.
+    std::int64_t rest = (hwy::SupportedTargets() | HWY_STATIC_TARGET) & HWY_TARGETS;
+    for (; rest != 0; rest &= rest - 1) {
+      const std::int64_t best = rest & -rest;
+      targets[count++] = {hwy::TargetName(best), table_index(best)};
+    }
+  }
+};
+
+}  // namespace
+
+std::span<const Target> supported_targets() {
+  static const TargetList list;
+  return std::span(list.targets).first(list.count);
+}
+
+Target choose_target() {
+  const std::span<const Target> targets = supported_targets();
+  if (const char* const wanted = std::getenv("KERF_TARGET")) {
+    const auto found = std::find_if(targets.begin(), targets.end(), [wanted](const Target& target) {
+      return target.name == std::string_view(wanted);
+    });
+    if (found != targets.end()) return *found;
+  }
+  return targets.front();
+}
+
+}  // namespace kerf
