@@ -34,3 +34,11 @@ if(TARGET kerf_tool)
                                                               docs/guide/tool.md $<TARGET_FILE_DIR:kerf_tool>
            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
 endif()
+
+if(KERF_BUILD_EXAMPLES)
+  add_test(NAME Examples.MinimalHitsItsTriangle COMMAND example_minimal)
+  set_tests_properties(Examples.MinimalHitsItsTriangle PROPERTIES PASS_REGULAR_EXPRESSION
+                                                                  "hit triangle 0 of mesh 0 at t = 2, u = 0.5, v = 0.25")
+  add_test(NAME Examples.LidarScanSeesPosts COMMAND example_lidar_scan)
+  set_tests_properties(Examples.LidarScanSeesPosts PROPERTIES PASS_REGULAR_EXPRESSION "I       I       I")
+endif()
