@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <kerf/error.hpp>
 #include <nlohmann/json.hpp>
 
+#include "workbench/base/raise.hpp"
 #include "workbench/formats/checks.hpp"
 #include "workbench/formats/read_bytes.hpp"
 
@@ -18,12 +18,12 @@ namespace {
 using kerf::Error;
 using Json = nlohmann::json;
 
-/// glTF nests a dozen levels; a file of nothing but brackets is to exhaust no reader's stack.
-constexpr int deepest_nesting = 64;
-constexpr std::size_t deepest_node = 1000;
+/// glTF nests a dozen levels deep. A file of nothing but brackets must not exhaust the stack of a reader.
+constexpr int max_nesting = 64;
+constexpr std::size_t max_node_depth = 1000;
 
-/// assimp keeps where the data of a URI begin in a signed byte, and loses memory where they are not base64.
-constexpr std::size_t longest_data_head = 126;
+/// assimp keeps the offset of a URI's data in a signed byte, and leaks memory if the data are not base64.
+constexpr std::size_t max_data_head = 126;
 
 constexpr std::string_view base64_digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
@@ -33,76 +33,74 @@ class GltfCheck {
       : file_(file), binary_chunk_(binary_chunk) {}
 
   void run(std::string_view text) {
-    // What is checked must be what assimp reads, which takes the first of two members of a name.
+    // Of two members of one name assimp reads the first and this parser the last, so there may not be two.
     std::vector<std::set<std::string>> members;
     const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
-      if (depth > deepest_nesting) fail("is nested too deeply");
+      if (depth > max_nesting) raise(Error::bad_format, file_, "is nested too deeply");
       if (event == Json::parse_event_t::object_start) members.emplace_back();
       if (event == Json::parse_event_t::object_end) members.pop_back();
       if (event == Json::parse_event_t::key && !members.back().insert(value.get<std::string>()).second)
-        fail(fmt::format("has two members {} in one object", value.dump()));
+        raise(Error::bad_format, file_, "has two members {} in one object", value.dump());
       return true;
     };
     try {
       gltf_ = Json::parse(text, watch);
-      if (!gltf_.is_object()) fail("is not a JSON object");
+      if (!gltf_.is_object()) raise(Error::bad_format, file_, "is not a JSON object");
       check_nodes();
       for (std::size_t i = 0; i < list(gltf_, "buffers").size(); ++i) buffer(i);
       check_images();
       const Json& meshes = list(gltf_, "meshes");
       for (std::size_t i = 0; i < meshes.size(); ++i) check_mesh(i, meshes[i]);
     } catch (const Json::exception& e) {
-      const std::string_view what = e.what();  // behind the name of the exception in brackets
-      fail(fmt::format("not a valid glTF file: {}", what.substr(std::min(what.size(), what.find("] ") + 2))));
+      const std::string_view what = e.what();  // begins with the name of the exception in brackets
+      raise(Error::bad_format, file_, "not a valid glTF file: {}",
+            what.substr(std::min(what.size(), what.find("] ") + 2)));
     }
   }
 
  private:
-  [[noreturn]] void fail(std::string_view what, Error::Code code = Error::bad_format) const {
-    throw Error(code, fmt::format("{}: {}", file_.string(), what));
-  }
-
   static const Json& list(const Json& object, const char* key) {
     static const Json empty = Json::array();
     const auto found = object.find(key);
     return found == object.end() ? empty : *found;
   }
 
-  std::uint64_t whole(const Json& value) const {
+  std::uint64_t to_whole(const Json& value) const {
     if (!value.is_number_unsigned())
-      fail(fmt::format("{} stands where a number of something should", value.dump()));
+      raise(Error::bad_format, file_, "{} stands where a whole number should", value.dump());
     return value.get<std::uint64_t>();
   }
 
   const Json& item(const char* key, std::uint64_t i) const {
     const Json& items = list(gltf_, key);
     if (i >= items.size())
-      fail(fmt::format("there is no {}[{}]: {} has {} items", key, i, key, items.size()));
+      raise(Error::bad_format, file_, "there is no {}[{}]: {} has {} items", key, i, key, items.size());
     return items[i];
   }
 
-  // Nodes must be a forest, or importing them takes for ever (glTF 2.0, section 3.5.2).
+  // Nodes must form a forest (glTF 2.0, section 3.5.2): assimp follows a cycle for ever.
   void check_nodes() const {
     const Json& nodes = list(gltf_, "nodes");
     std::vector<std::uint64_t> parent(nodes.size(), nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       for (const Json& child : list(nodes[i], "children")) {
-        const auto c = whole(child);
+        const auto c = to_whole(child);
         item("nodes", c);
         if (parent[c] != nodes.size())
-          fail(fmt::format("nodes[{}] has two parents, {} and {}", c, parent[c], i));
+          raise(Error::bad_format, file_, "nodes[{}] has two parents, {} and {}", c, parent[c], i);
         parent[c] = i;
       }
     }
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       std::size_t depth = 0;
       for (std::uint64_t up = parent[i]; up != nodes.size(); up = parent[up]) {
-        if (++depth > deepest_node) fail(fmt::format("nodes[{}] is its own ancestor, or too deep", i));
+        if (++depth > max_node_depth)
+          raise(Error::bad_format, file_, "nodes[{}] is its own ancestor, or too deep", i);
       }
     }
   }
 
-  // Nobody looks at pictures, but they are read.
+  // Pictures are of no use here, but assimp decodes them.
   void check_images() const {
     const Json& images = list(gltf_, "images");
     for (std::size_t i = 0; i < images.size(); ++i) {
@@ -119,29 +117,30 @@ class GltfCheck {
       if (attributes == primitive.end() || !attributes->contains("POSITION") ||
           !primitive.contains("indices"))
         continue;
-      const Json& positions = item("accessors", whole(attributes->at("POSITION")));
-      const Json& indices = item("accessors", whole(primitive["indices"]));
-      if (!indices.contains("bufferView") || indices.contains("sparse")) continue;  // zeros, but for a few
+      const Json& positions = item("accessors", to_whole(attributes->at("POSITION")));
+      const Json& indices = item("accessors", to_whole(primitive["indices"]));
+      if (!indices.contains("bufferView") || indices.contains("sparse"))
+        continue;  // indices that are zeros, except a few
       check_indices(fmt::format("meshes[{}].primitives[{}]", number, i), indices,
-                    whole(positions.at("count")));
+                    to_whole(positions.at("count")));
     }
   }
 
   void check_indices(const std::string& place, const Json& accessor, std::uint64_t vertices) {
-    const auto type = whole(accessor.at("componentType"));
+    const auto type = to_whole(accessor.at("componentType"));
     const std::size_t size = type == 5121 ? 1 : type == 5123 ? 2 : type == 5125 ? 4 : 0;
-    if (size == 0) fail(fmt::format("{}: indices of component type {}", place, type));
-    const Json& view = item("bufferViews", whole(accessor["bufferView"]));
-    const std::string_view bytes = buffer(whole(view.at("buffer")));
-    const auto count = whole(accessor.at("count"));
-    const auto stride = whole(view.value("byteStride", Json(size)));
+    if (size == 0) raise(Error::bad_format, file_, "{}: indices of component type {}", place, type);
+    const Json& view = item("bufferViews", to_whole(accessor["bufferView"]));
+    const std::string_view bytes = buffer(to_whole(view.at("buffer")));
+    const auto count = to_whole(accessor.at("count"));
+    const auto stride = to_whole(view.value("byteStride", Json(size)));
     const auto first =
-        whole(view.value("byteOffset", Json(0u))) + whole(accessor.value("byteOffset", Json(0u)));
-    constexpr std::uint64_t largest = std::uint64_t{1} << 40;  // above it the sum below could wrap
-    if (first > largest || stride > 255 || count > largest ||
+        to_whole(view.value("byteOffset", Json(0u))) + to_whole(accessor.value("byteOffset", Json(0u)));
+    constexpr std::uint64_t max_offset = std::uint64_t{1} << 40;  // beyond it the sum below could wrap
+    if (first > max_offset || stride > 255 || count > max_offset ||
         first + count * stride > bytes.size() + stride - size) {
-      fail(fmt::format("truncated: {}: {} indices from byte {} of a buffer of {}", place, count, first,
-                       bytes.size()));
+      raise(Error::bad_format, file_, "truncated: {}: {} indices from byte {} of a buffer of {}", place,
+            count, first, bytes.size());
     }
     for (std::uint64_t i = 0; i < count; ++i) {
       std::uint32_t index = 0;
@@ -149,8 +148,8 @@ class GltfCheck {
         index = index << 8 | static_cast<unsigned char>(bytes[first + i * stride + k]);
       }
       if (index >= vertices) {
-        fail(fmt::format("{}: index {} names vertex {}, but there are {}", place, i, index, vertices),
-             Error::index_out_of_range);
+        raise(Error::index_out_of_range, file_, "{}: index {} names vertex {}, but there are {}", place, i,
+              index, vertices);
       }
     }
   }
@@ -159,7 +158,7 @@ class GltfCheck {
     const Json& buffer = item("buffers", number);
     buffers_.resize(list(gltf_, "buffers").size());
     if (!buffers_[number].empty()) return buffers_[number];
-    const auto length = whole(buffer.at("byteLength"));
+    const auto length = to_whole(buffer.at("byteLength"));
     std::string& bytes = buffers_[number];
     if (!buffer.contains("uri")) {
       bytes = binary_chunk_;
@@ -169,28 +168,29 @@ class GltfCheck {
       try {
         bytes = read_bytes(file_.parent_path() / decode_percents(uri));
       } catch (const Error& e) {
-        fail(fmt::format("buffers[{}]: {}", number, e.what()), e.code());
+        raise(e.code(), file_, "buffers[{}]: {}", number, e.what());
       }
     }
     if (bytes.size() < length) {
-      fail(fmt::format("truncated: buffers[{}] should have {} bytes and has {}", number, length,
-                       bytes.size()));
+      raise(Error::bad_format, file_, "truncated: buffers[{}] should have {} bytes and has {}", number,
+            length, bytes.size());
     }
     return bytes;
   }
 
-  // What follows the comma of a data URI: groups of four digits, the last with up to two signs of padding.
+  // The base64 text of a data URI, which follows its comma: groups of four digits, the last one padded with
+  // up to two signs.
   std::string_view data_of(const std::string& place, std::string_view uri) const {
     const std::size_t comma = uri.find(',');
     const std::string_view head = uri.substr(0, std::min(uri.size(), comma));
-    if (comma == std::string_view::npos || comma > longest_data_head || !head.ends_with(";base64"))
-      fail(fmt::format("{}: a data URI that does not begin like data:application/octet-stream;base64,",
-                       place));
+    if (comma == std::string_view::npos || comma > max_data_head || !head.ends_with(";base64"))
+      raise(Error::bad_format, file_,
+            "{}: a data URI that does not begin like data:application/octet-stream;base64,", place);
     const std::string_view text = uri.substr(comma + 1);
     const std::size_t digits = std::min(text.size(), text.find_first_not_of(base64_digits));
     if (text.size() % 4 != 0 || text.size() - digits > 2 ||
         text.find_first_not_of('=', digits) != std::string_view::npos) {
-      fail(fmt::format("{}: no base64 from character {} of {} on", place, digits, text.size()));
+      raise(Error::bad_format, file_, "{}: no base64 from character {} of {}", place, digits, text.size());
     }
     return text;
   }
@@ -240,20 +240,18 @@ void check_gltf(const std::filesystem::path& file, std::string_view json, std::s
   GltfCheck(file, binary_chunk).run(json);
 }
 
-// A header of magic, version and length; then chunks of length, type and bytes (glTF 2.0, section 4.4).
+// A header of magic, version and length is followed by chunks of length, type and bytes (glTF 2.0,
+// section 4.4).
 void check_glb(const std::filesystem::path& file, std::string_view bytes) {
-  const auto fail = [&](const std::string& what) {
-    throw Error(Error::bad_format, fmt::format("{}: {}", file.string(), what));
-  };
   constexpr std::size_t header_bytes = 12, chunk_header_bytes = 8;
-  if (!bytes.starts_with("glTF")) fail("does not begin with the word glTF");
+  if (!bytes.starts_with("glTF")) raise(Error::bad_format, file, "does not begin with the word glTF");
   if (bytes.size() < header_bytes + chunk_header_bytes)
-    fail(fmt::format("truncated: has {} bytes only", bytes.size()));
-  if (word_at(bytes, 4) != 2) fail(fmt::format("has version {}; known is 2", word_at(bytes, 4)));
+    raise(Error::bad_format, file, "truncated: has only {} bytes", bytes.size());
+  if (word_at(bytes, 4) != 2)
+    raise(Error::bad_format, file, "has version {}; only version 2 is known", word_at(bytes, 4));
   if (word_at(bytes, 8) != bytes.size()) {
-    fail(fmt::format("{}: the header promises {} bytes, but there are {}",
-                     word_at(bytes, 8) > bytes.size() ? "truncated" : "too long", word_at(bytes, 8),
-                     bytes.size()));
+    raise(Error::bad_format, file, "{}: the header promises {} bytes, but there are {}",
+          word_at(bytes, 8) > bytes.size() ? "truncated" : "too long", word_at(bytes, 8), bytes.size());
   }
   std::string_view chunks[2];
   std::size_t at = header_bytes;
@@ -261,7 +259,8 @@ void check_glb(const std::filesystem::path& file, std::string_view bytes) {
     if (at == bytes.size()) break;
     if (bytes.size() - at < chunk_header_bytes ||
         word_at(bytes, at) > bytes.size() - at - chunk_header_bytes) {
-      fail(fmt::format("truncated: the chunk at byte {} goes beyond the end at {}", at, bytes.size()));
+      raise(Error::bad_format, file, "truncated: the chunk at byte {} goes beyond the end at {}", at,
+            bytes.size());
     }
     chunk = bytes.substr(at + chunk_header_bytes, word_at(bytes, at));
     at += chunk_header_bytes + chunk.size();

@@ -1,4 +1,4 @@
-// The importer of scene files: assimp, and nothing of it beyond the triangles.
+// The importer of scene files: assimp, of which only the triangles are used.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,10 @@
 
 namespace workbench {
 
-/// The triangles in `bytes`, unpacked contents of `file`, as one mesh; indices and vertices are as the file
-/// has them, good or bad. `format` is the extension that says what they are: ".obj". Files that the contents
-/// name (the buffers of a .gltf) are looked for beside `file`. Throws `kerf::Error::bad_format`.
+/// The triangles in `bytes`, the unpacked contents of `file`, as one mesh. Indices and vertices are those of
+/// the file, valid or not. `format` is the extension that names the format of `bytes`, such as ".obj". Files
+/// that `bytes` name (the buffers of a .gltf) are looked for beside `file`. Throws `kerf::Error::bad_format`,
+/// or `too_large` for 2^32 vertices or more.
 Scene import(const std::filesystem::path& file, std::string_view format, const std::string& bytes);
 
 }  // namespace workbench

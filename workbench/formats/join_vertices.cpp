@@ -12,8 +12,8 @@ std::uint64_t hash(const kerf::Vec3f& p) {
   const std::uint64_t xy =
       std::uint64_t{std::bit_cast<std::uint32_t>(p.x)} << 32 | std::bit_cast<std::uint32_t>(p.y);
   std::uint64_t h = (xy ^ std::uint64_t{std::bit_cast<std::uint32_t>(p.z)} * 0x9e3779b97f4a7c15u);
-  h = (h ^ h >> 32) *
-      0xd6e8feb86659fd93u;  // the finishing steps of common 64-bit mixers: spread the high bits
+  // The finishing steps of common 64-bit mixers, which spread the high bits.
+  h = (h ^ h >> 32) * 0xd6e8feb86659fd93u;
   h = (h ^ h >> 32) * 0xd6e8feb86659fd93u;
   return h ^ h >> 32;
 }
@@ -25,7 +25,7 @@ bool same_bits(const kerf::Vec3f& a, const kerf::Vec3f& b) {
 }  // namespace
 
 void join_vertices(Scene& scene) {
-  // An open-addressing table of the vertices kept, at most half full.
+  // An open-addressing table of the vertices that are kept, at most half full.
   std::vector<std::uint32_t> table(std::bit_ceil(2 * scene.vertices.size() + 1), none);
   const std::size_t mask = table.size() - 1;
   std::vector<std::uint32_t> kept_as(scene.vertices.size(), none);

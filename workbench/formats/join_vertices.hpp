@@ -1,4 +1,4 @@
-// Vertices at the same place become one.
+// Vertices at the same position become one.
 #pragma once
 
 #include "workbench/scene/scene.hpp"
@@ -6,8 +6,8 @@
 namespace workbench {
 
 /// Joins the vertices whose three coordinates have the same bits, in the order of their first use, and drops
-/// those that no triangle uses. Importers write a vertex once for each of its normals and texture
-/// coordinates, of which a hierarchy knows nothing.
+/// those that no triangle uses. Importers repeat a vertex for each of its normals and texture coordinates,
+/// which a hierarchy does not have.
 void join_vertices(Scene& scene);
 
 }  // namespace workbench

@@ -5,9 +5,9 @@
 #include <cctype>
 #include <string>
 
-#include <fmt/format.h>
 #include <kerf/error.hpp>
 
+#include "workbench/base/raise.hpp"
 #include "workbench/base/vectors.hpp"
 #include "workbench/formats/checks.hpp"
 #include "workbench/formats/import.hpp"
@@ -27,7 +27,7 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-// The extension that says what is in the file, without the .gz of what it is packed in.
+// The extension that names the format; for a gzipped file, the one before .gz.
 std::string format_of(const std::filesystem::path& file) {
   constexpr std::array known{".obj", ".ply", ".stl", ".gltf", ".glb", ".kerf"};
   std::filesystem::path unpacked = file;
@@ -35,11 +35,8 @@ std::string format_of(const std::filesystem::path& file) {
   if (packed) unpacked.replace_extension();
   const std::string extension = lower_case(unpacked.extension().string());
   if (std::find(known.begin(), known.end(), extension) == known.end() || (packed && extension == ".kerf")) {
-    throw Error(
-        Error::bad_format,
-        fmt::format(
-            "{}: of unknown type; known are .obj .ply .stl .gltf .glb, and these with .gz behind, and .kerf",
-            file.string()));
+    raise(Error::bad_format, file,
+          "of unknown type; known are .obj .ply .stl .gltf .glb, each also with .gz appended, and .kerf");
   }
   return extension;
 }
@@ -48,15 +45,13 @@ void check_vertices(const Scene& scene, const std::filesystem::path& file) {
   for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
     for (const std::uint32_t vertex : scene.triangles[i]) {
       if (vertex >= scene.vertices.size()) {
-        throw Error(Error::index_out_of_range,
-                    fmt::format("{}: triangle {} names vertex {}, but there are {}", file.string(), i, vertex,
-                                scene.vertices.size()));
+        raise(Error::index_out_of_range, file, "triangle {} names vertex {}, but there are {}", i, vertex,
+              scene.vertices.size());
       }
       const Vec3f& p = scene.vertices[vertex];
       if (!is_finite(p)) {
-        throw Error(Error::non_finite_vertex,
-                    fmt::format("{}: vertex {} of triangle {} is not finite: ({}, {}, {})", file.string(),
-                                vertex, i, p.x, p.y, p.z));
+        raise(Error::non_finite_vertex, file, "vertex {} of triangle {} is not finite: ({}, {}, {})", vertex,
+              i, p.x, p.y, p.z);
       }
     }
   }
@@ -75,13 +70,12 @@ Scene read_scene(const std::filesystem::path& file, std::string_view format, con
 Scene load_file(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) {
-    throw Error(Error::io, fmt::format("{}: no such file", file.string()));
+    raise(Error::io, file, "no such file");
   }
   const std::string format = format_of(file);
   if (format == ".kerf") return load_hierarchy(file);
   Scene scene = read_scene(file, format, read_bytes(file));
-  if (scene.triangles.empty())
-    throw Error(Error::bad_format, fmt::format("{}: has no triangles", file.string()));
+  if (scene.triangles.empty()) raise(Error::bad_format, file, "has no triangles");
   check_vertices(scene, file);
   join_vertices(scene);
   return scene;

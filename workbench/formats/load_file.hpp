@@ -1,4 +1,4 @@
-// Scene files: .obj, .ply, .stl, .gltf and .glb, each also gzipped.
+// Scene files: .obj, .ply, .stl, .gltf and .glb, each also gzipped, and .kerf.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +7,10 @@
 
 namespace workbench {
 
-/// The triangles of a scene file as one mesh: node transforms applied, polygons triangulated, vertices at the
-/// same place joined, points, lines, materials and textures left out. The scene has no name and no viewpoints
-/// yet. Throws `kerf::Error` with one line that names the file, the place in it and what is wrong.
+/// The triangles of a scene file as one mesh. Node transforms are applied, polygons triangulated and vertices
+/// at the same position joined; points, lines, materials and textures are left out. The scene has no name and
+/// no viewpoints yet. Throws `kerf::Error` with one line that names the file, the place in it and what is
+/// wrong.
 Scene load_file(const std::filesystem::path& file);
 
 }  // namespace workbench

@@ -2,11 +2,9 @@
 
 #include <limits>
 
-#include <fmt/format.h>
-#include <kerf/error.hpp>
-
 #include "queries/visit_box.hpp"
 #include "structure.hpp"
+#include "workbench/base/raise.hpp"
 #include "workbench/formats/join_vertices.hpp"
 
 namespace workbench {
@@ -16,7 +14,7 @@ using namespace kerf;
 Scene load_hierarchy(const std::filesystem::path& file) {
   const Bvh saved = Bvh::load(file);
   if (saved.statistics().references == 0) {
-    throw Error(Error::bad_format, fmt::format("{}: has no triangles", file.string()));
+    raise(Error::bad_format, file, "has no triangles");
   }
   // As one mesh, which is what a scene has.
   auto joined = std::make_shared<Bvh::Structure>(saved.structure());

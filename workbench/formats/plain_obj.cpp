@@ -4,8 +4,8 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <kerf/error.hpp>
 
+#include "workbench/base/raise.hpp"
 #include "workbench/formats/checks.hpp"
 #include "workbench/formats/text.hpp"
 #include "workbench/formats/triangulate.hpp"
@@ -15,14 +15,14 @@ namespace {
 
 using kerf::Error;
 
-// One statement of an .obj file: its keyword, what stands behind it, and its line.
+// One statement of an .obj file: its keyword, what follows it, and its line.
 struct Statement {
   std::string_view keyword, arguments;
   std::size_t line;
 };
 
-// Calls `visit` for each statement that gives a vertex or a face. `joined` holds a statement that `\`
-// continues.
+// Calls `visit` for each statement that defines a vertex or a face. A `\` at the end of a line continues the
+// statement, which is then put together in `joined`.
 template <class Visit>
 void for_each_statement(std::string_view bytes, Visit&& visit) {
   std::string joined;
@@ -43,31 +43,32 @@ void for_each_statement(std::string_view bytes, Visit&& visit) {
   }
 }
 
-// What stands behind the third coordinate, a weight or a colour, is left out.
+// A weight or a colour after the third coordinate is left out.
 void append_vertex(std::string& geometry, const std::filesystem::path& file, Statement statement,
                    std::int64_t number) {
   float values[3];
   for (int axis = 0; axis < 3; ++axis) {
     const std::string_view word = take_word(statement.arguments);
     if (word.empty()) {
-      throw Error(Error::bad_format, fmt::format("{}: line {}: vertex {} has {} coordinates, not three",
-                                                 file.string(), statement.line, number, axis));
+      raise(Error::bad_format, file, "line {}: vertex {} has {} coordinates, not three", statement.line,
+            number, axis);
     }
-    const auto value = to_number<double>(word);  // wider, to tell what is too large from what is no number
+    const auto value =
+        to_number<double>(word);  // wider than float, so that too large a number still is a number
     if (!value) {
-      throw Error(Error::bad_format, fmt::format("{}: line {}: vertex {}: '{}' is not a number",
-                                                 file.string(), statement.line, number, word));
+      raise(Error::bad_format, file, "line {}: vertex {}: '{}' is not a number", statement.line, number,
+            word);
     }
     values[axis] = static_cast<float>(*value);
     if (!std::isfinite(values[axis])) {
-      throw Error(Error::non_finite_vertex, fmt::format("{}: line {}: vertex {} is not finite: {}",
-                                                        file.string(), statement.line, number, word));
+      raise(Error::non_finite_vertex, file, "line {}: vertex {} is not finite: {}", statement.line, number,
+            word);
     }
   }
   fmt::format_to(std::back_inserter(geometry), "v {} {} {}\n", values[0], values[1], values[2]);
 }
 
-// What stands behind a slash, the number of a texture coordinate or a normal, is left out.
+// The index of a texture coordinate or a normal, which follows a slash, is left out.
 void append_face(std::string& geometry, const std::filesystem::path& file, Statement statement,
                  std::int64_t vertices_so_far, std::int64_t vertices) {
   std::vector<std::int64_t> corners;
@@ -75,28 +76,26 @@ void append_face(std::string& geometry, const std::filesystem::path& file, State
     const std::string_view vertex = word.substr(0, word.find('/'));
     const auto index = to_number<std::int64_t>(vertex);
     if (!index) {
-      throw Error(Error::bad_format, fmt::format("{}: line {}: '{}' is not the number of a vertex",
-                                                 file.string(), statement.line, vertex));
+      raise(Error::bad_format, file, "line {}: '{}' is not the index of a vertex", statement.line, vertex);
     }
-    // Positive numbers count from the first vertex of the file, negative ones back from the face.
-    if (*index == 0 || *index > vertices || *index < -vertices_so_far) {
-      throw Error(Error::index_out_of_range,
-                  *index < 0
-                      ? fmt::format("{}: line {}: the face names vertex {}, but there are {} before it",
-                                    file.string(), statement.line, *index, vertices_so_far)
-                      : fmt::format("{}: line {}: the face names vertex {}, but they go from 1 to {}",
-                                    file.string(), statement.line, *index, vertices));
+    // Positive indices count from the first vertex of the file, negative ones back from the face.
+    if (*index < -vertices_so_far) {
+      raise(Error::index_out_of_range, file, "line {}: the face names vertex {}, but there are {} before it",
+            statement.line, *index, vertices_so_far);
+    }
+    if (*index == 0 || *index > vertices) {
+      raise(Error::index_out_of_range, file, "line {}: the face names vertex {}, but they go from 1 to {}",
+            statement.line, *index, vertices);
     }
     corners.push_back(*index < 0 ? vertices_so_far + 1 + *index : *index);
   }
   if (corners.size() < 3) {
-    throw Error(Error::bad_format, fmt::format("{}: line {}: the face has fewer than three vertices",
-                                               file.string(), statement.line));
+    raise(Error::bad_format, file, "line {}: the face has fewer than three vertices", statement.line);
   }
   const auto append = std::back_inserter(geometry);
-  if (corners.size() <= most_corners_with_ears) {
+  if (corners.size() <= max_corners_with_ears) {
     fmt::format_to(append, "f {}\n", fmt::join(corners, " "));
-  } else {  // assimp too takes time with the square of the number of corners
+  } else {  // the time that assimp takes grows with the square of the number of corners, too
     for (std::size_t i = 2; i < corners.size(); ++i) {
       fmt::format_to(append, "f {} {} {}\n", corners[0], corners[i - 1], corners[i]);
     }
@@ -109,7 +108,7 @@ std::string plain_obj(const std::filesystem::path& file, std::string_view bytes)
   std::int64_t vertices = 0, faces = 0;
   for_each_statement(bytes,
                      [&](const Statement& statement) { ++(statement.keyword == "v" ? vertices : faces); });
-  if (faces == 0) throw Error(Error::bad_format, fmt::format("{}: has no triangles", file.string()));
+  if (faces == 0) raise(Error::bad_format, file, "has no triangles");
 
   std::string geometry;
   geometry.reserve(bytes.size());

@@ -2,9 +2,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <fmt/format.h>
-#include <kerf/error.hpp>
-
+#include "workbench/base/raise.hpp"
 #include "workbench/formats/checks.hpp"
 #include "workbench/formats/text.hpp"
 
@@ -37,7 +35,7 @@ class TextReader {
         expect("facet");
         need_statement();
         expect("outer");
-        triangles.append(3 * sizeof(float), '\0');  // the normal, which nobody asks for
+        triangles.append(3 * sizeof(float), '\0');  // the normal, which is not used
         for (int i = 0; i < 3; ++i) append_vertex(triangles);
         triangles.append(2, '\0');
         need_statement();
@@ -53,11 +51,7 @@ class TextReader {
   }
 
  private:
-  [[noreturn]] void fail(std::string_view what, Error::Code code = Error::bad_format) const {
-    throw Error(code, fmt::format("{}: {}", file_.string(), what));
-  }
-
-  // A line that is not blank: its first word, and what stands behind it.
+  // Moves on to the next line that is not blank: its first word, and what follows it.
   bool next_statement() {
     do {
       const auto line = lines_.next();
@@ -69,14 +63,14 @@ class TextReader {
   }
   void need_statement() {
     if (!next_statement()) {
-      fail(fmt::format("truncated: ends at line {}, after {} facets, without endsolid", lines_.number(),
-                       facet_));
+      raise(Error::bad_format, file_, "truncated: ends at line {}, after {} facets, without endsolid",
+            lines_.number(), facet_);
     }
   }
   void expect(std::string_view keyword) const {
     if (keyword_ == keyword) return;
-    fail(fmt::format("line {}: facet {}: '{}' stands where {} should", lines_.number(), facet_, keyword_,
-                     keyword));
+    raise(Error::bad_format, file_, "line {}: facet {}: '{}' stands where {} should", lines_.number(), facet_,
+          keyword_, keyword);
   }
 
   void append_vertex(std::string& bytes) {
@@ -86,12 +80,14 @@ class TextReader {
       const std::string_view word = take_word(rest_);
       const auto value = to_number<double>(word);
       if (word.empty())
-        fail(fmt::format("line {}: a vertex of facet {} ends early", lines_.number(), facet_));
-      if (!value) fail(fmt::format("line {}: facet {}: '{}' is not a number", lines_.number(), facet_, word));
+        raise(Error::bad_format, file_, "line {}: a vertex of facet {} ends early", lines_.number(), facet_);
+      if (!value)
+        raise(Error::bad_format, file_, "line {}: facet {}: '{}' is not a number", lines_.number(), facet_,
+              word);
       const auto coordinate = static_cast<float>(*value);
       if (!std::isfinite(coordinate)) {
-        fail(fmt::format("line {}: a vertex of facet {} is not finite: {}", lines_.number(), facet_, word),
-             Error::non_finite_vertex);
+        raise(Error::non_finite_vertex, file_, "line {}: a vertex of facet {} is not finite: {}",
+              lines_.number(), facet_, word);
       }
       append(bytes, std::bit_cast<std::uint32_t>(coordinate));
     }
@@ -108,7 +104,7 @@ class TextReader {
 };
 
 std::string to_binary(const std::filesystem::path& file, std::string_view bytes) {
-  // Binary files too may begin with the word solid; their length tells them apart.
+  // Binary files may begin with the word solid, too. Their length distinguishes them.
   const bool has_header = bytes.size() >= header_bytes;
   if (has_header && bytes.size() == header_bytes + triangle_bytes * promised_triangles(bytes)) {
     return std::string(header_bytes - 4, '\0').append(bytes.substr(header_bytes - 4));
@@ -116,16 +112,13 @@ std::string to_binary(const std::filesystem::path& file, std::string_view bytes)
   std::string_view start = bytes.substr(0, 256);
   if (take_word(start) == "solid") return TextReader(file, bytes).to_binary();
   if (!has_header) {
-    throw Error(Error::bad_format,
-                fmt::format("{}: truncated: a binary .stl file has {} bytes or more, this one {}",
-                            file.string(), header_bytes, bytes.size()));
+    raise(Error::bad_format, file, "truncated: a binary .stl file has {} bytes or more, this one {}",
+          header_bytes, bytes.size());
   }
   const std::uint64_t promised = promised_triangles(bytes);
   const std::uint64_t needed = header_bytes + triangle_bytes * promised;
-  throw Error(Error::bad_format,
-              fmt::format("{}: {}: the header promises {} triangles, {} bytes in all, but there are {}",
-                          file.string(), needed > bytes.size() ? "truncated" : "too long", promised, needed,
-                          bytes.size()));
+  raise(Error::bad_format, file, "{}: the header promises {} triangles, {} bytes in all, but there are {}",
+        needed > bytes.size() ? "truncated" : "too long", promised, needed, bytes.size());
 }
 
 }  // namespace
@@ -133,7 +126,7 @@ std::string to_binary(const std::filesystem::path& file, std::string_view bytes)
 std::string plain_stl(const std::filesystem::path& file, std::string_view bytes) {
   std::string plain = to_binary(file, bytes);
   if (plain.size() == header_bytes) {
-    throw Error(Error::bad_format, fmt::format("{}: has no triangles", file.string()));
+    raise(Error::bad_format, file, "has no triangles");
   }
   return plain;
 }

@@ -1,4 +1,4 @@
-// What a .ply file says of itself before its data.
+// The header of a .ply file, which describes the data that follow it.
 #pragma once
 
 #include <array>
@@ -34,15 +34,16 @@ enum class PlyEncoding { ascii, little_endian, big_endian };
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::ascii;
   std::vector<PlyElement> elements;
-  std::size_t lines = 0;  ///< of the header
-  std::string_view body;  ///< what stands behind it
+  std::size_t lines = 0;  ///< number of lines of the header
+  std::string_view body;  ///< what follows the header
 };
 
-/// Views of `bytes`. Throws `kerf::Error::bad_format` with one line that names the file and the line in it,
-/// also if what the header describes has no vertices with x, y and z or no faces with lists of vertices.
+/// The header that `bytes` begin with; its strings are views of `bytes`. Throws `kerf::Error::bad_format`
+/// with one line that names the file and the line in it, also if the header describes no vertices with x, y
+/// and z or no faces with lists of vertices.
 PlyHeader read_ply_header(const std::filesystem::path& file, std::string_view bytes);
 
-/// True for the list of the vertices of a face.
+/// True if `property` is the list of the vertices of a face.
 bool is_vertex_list(const PlyElement& element, const PlyProperty& property);
 
 }  // namespace workbench

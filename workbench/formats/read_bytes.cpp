@@ -6,48 +6,47 @@
 #include <cstring>
 #include <memory>
 
-#include <fmt/format.h>
-#include <kerf/error.hpp>
 #include <zlib.h>
+
+#include "workbench/base/raise.hpp"
 
 namespace workbench {
 namespace {
 
 using kerf::Error;
 
-/// No scene file is this large; what unpacks to more was made to fill the memory.
-constexpr std::size_t largest_unpacked = std::size_t{1} << 34;
+/// No scene file is this large: a file that unpacks to more was made to fill the memory.
+constexpr std::size_t max_unpacked_bytes = std::size_t{1} << 34;
 
 std::string read_plain(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {
-    throw Error(Error::io, fmt::format("{}: is a directory", file.string()));
+    raise(Error::io, file, "is a directory");
   }
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
-  if (!stream) throw Error(Error::io, fmt::format("{}: {}", file.string(), std::strerror(errno)));
+  if (!stream) raise(Error::io, file, "{}", std::strerror(errno));
   std::string bytes;
-  std::array<char, 1 << 16> part;
-  while (const std::size_t count = std::fread(part.data(), 1, part.size(), stream.get())) {
-    bytes.append(part.data(), count);
+  std::array<char, 1 << 16> chunk;
+  while (const std::size_t count = std::fread(chunk.data(), 1, chunk.size(), stream.get())) {
+    bytes.append(chunk.data(), count);
   }
   if (std::ferror(stream.get())) {
-    throw Error(Error::io, fmt::format("{}: reading stopped at byte {}: {}", file.string(), bytes.size(),
-                                       std::strerror(errno)));
+    raise(Error::io, file, "reading stopped at byte {}: {}", bytes.size(), std::strerror(errno));
   }
-  if (bytes.empty()) throw Error(Error::bad_format, fmt::format("{}: is empty", file.string()));
+  if (bytes.empty()) raise(Error::bad_format, file, "is empty");
   return bytes;
 }
 
-// A gzip file is one or more gzip members, one behind the other (RFC 1952, section 2.2).
+// A gzip file is a sequence of one or more gzip members (RFC 1952, section 2.2).
 std::string unpack(const std::filesystem::path& file, const std::string& packed) {
   z_stream stream{};
   constexpr int gzip_only = 16 + MAX_WBITS;
-  if (inflateInit2(&stream, gzip_only) != Z_OK) throw Error(Error::out_of_memory, "no memory to unpack with");
+  if (inflateInit2(&stream, gzip_only) != Z_OK) raise(Error::out_of_memory, file, "no memory to unpack it");
   const std::unique_ptr<z_stream, int (*)(z_stream*)> guard(&stream, inflateEnd);
 
   std::string bytes;
-  std::array<char, 1 << 16> part;
-  std::size_t begin = 0;  // of the packed bytes that zlib has not been given yet
+  std::array<char, 1 << 16> chunk;
+  std::size_t begin = 0;  // of the packed bytes that zlib has not seen yet
   for (;;) {
     if (stream.avail_in == 0) {
       const std::size_t count = std::min(packed.size() - begin, std::size_t{1} << 30);
@@ -55,28 +54,25 @@ std::string unpack(const std::filesystem::path& file, const std::string& packed)
       stream.avail_in = static_cast<uInt>(count);
       begin += count;
     }
-    stream.next_out = reinterpret_cast<Bytef*>(part.data());
-    stream.avail_out = static_cast<uInt>(part.size());
+    stream.next_out = reinterpret_cast<Bytef*>(chunk.data());
+    stream.avail_out = static_cast<uInt>(chunk.size());
     const int result = inflate(&stream, Z_NO_FLUSH);
-    bytes.append(part.data(), part.size() - stream.avail_out);
+    bytes.append(chunk.data(), chunk.size() - stream.avail_out);
     const std::size_t done = begin - stream.avail_in;
-    if (bytes.size() > largest_unpacked) {
-      throw Error(Error::bad_format,
-                  fmt::format("{}: unpacks to more than {} bytes", file.string(), largest_unpacked));
+    if (bytes.size() > max_unpacked_bytes) {
+      raise(Error::bad_format, file, "unpacks to more than {} bytes", max_unpacked_bytes);
     }
     if (result == Z_STREAM_END) {
       if (done == packed.size()) break;
       inflateReset(&stream);
     } else if (result == Z_BUF_ERROR && done == packed.size()) {
-      throw Error(Error::bad_format,
-                  fmt::format("{}: truncated: the gzip data end at byte {} before their end mark",
-                              file.string(), done));
+      raise(Error::bad_format, file, "truncated: the gzip data end at byte {}, before their end mark", done);
     } else if (result != Z_OK) {
-      throw Error(Error::bad_format, fmt::format("{}: damaged gzip data before byte {}: {}", file.string(),
-                                                 done, stream.msg ? stream.msg : "cannot be unpacked"));
+      raise(Error::bad_format, file, "damaged gzip data before byte {}: {}", done,
+            stream.msg ? stream.msg : "cannot be unpacked");
     }
   }
-  if (bytes.empty()) throw Error(Error::bad_format, fmt::format("{}: is empty once unpacked", file.string()));
+  if (bytes.empty()) raise(Error::bad_format, file, "is empty when unpacked");
   return bytes;
 }
 

@@ -6,9 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include <fmt/format.h>
-#include <kerf/error.hpp>
-
+#include "workbench/base/raise.hpp"
 #include "workbench/formats/ply_header.hpp"
 #include "workbench/formats/text.hpp"
 #include "workbench/formats/triangulate.hpp"
@@ -23,10 +21,6 @@ struct Place {
   const std::filesystem::path& file;
   const PlyElement& element;
   std::uint64_t number;  ///< of the element
-
-  [[noreturn]] void fail(std::string_view what, Error::Code code = Error::bad_format) const {
-    throw Error(code, fmt::format("{}: {}", file.string(), what));
-  }
 };
 
 // The elements of a text file, each on a line of its own.
@@ -37,8 +31,8 @@ class TextSource {
   void begin_element(const Place& place) {
     const auto line = lines_.next();
     if (!line) {
-      place.fail(fmt::format("truncated: ends before {} {} of {}", place.element.name, place.number,
-                             place.element.count));
+      raise(Error::bad_format, place.file, "truncated: ends before {} {} of {}", place.element.name,
+            place.number, place.element.count);
     }
     rest_ = *line;
   }
@@ -57,10 +51,12 @@ class TextSource {
     const auto number = to_number<Number>(word);
     if (!number) {
       const std::size_t line = header_lines_ + lines_.number();
-      place.fail(word.empty() ? fmt::format("truncated: line {}: {} {} ends before its {}", line,
-                                            place.element.name, place.number, property.name)
-                              : fmt::format("line {}: {} {}: '{}' cannot be its {}", line, place.element.name,
-                                            place.number, word, property.name));
+      if (word.empty()) {
+        raise(Error::bad_format, place.file, "truncated: line {}: {} {} ends before its {}", line,
+              place.element.name, place.number, property.name);
+      }
+      raise(Error::bad_format, place.file, "line {}: {} {}: '{}' cannot be its {}", line, place.element.name,
+            place.number, word, property.name);
     }
     return *number;
   }
@@ -70,7 +66,7 @@ class TextSource {
   std::string_view rest_;
 };
 
-// The elements of a binary file, one after the other.
+// The elements of a binary file, one after another.
 class BinarySource {
  public:
   BinarySource(const PlyHeader& header, std::size_t file_size)
@@ -101,8 +97,8 @@ class BinarySource {
   template <class Number>
   Number take(const Place& place) {
     if (rest_.size() < sizeof(Number)) {
-      place.fail(fmt::format("truncated: ends at byte {}, within {} {} of {}", file_size_, place.element.name,
-                             place.number, place.element.count));
+      raise(Error::bad_format, place.file, "truncated: ends at byte {}, within {} {} of {}", file_size_,
+            place.element.name, place.number, place.element.count);
     }
     char bytes[sizeof(Number)];
     std::memcpy(bytes, rest_.data(), sizeof(Number));
@@ -162,7 +158,8 @@ class BodyReader {
   std::int64_t read_length(const Place& place, const PlyProperty& property) {
     const std::int64_t length = source_.take_integer(place, property, *property.count_type);
     if (length < 0)
-      place.fail(fmt::format("{} {} has a list of {}", place.element.name, place.number, length));
+      raise(Error::bad_format, place.file, "{} {} has a list of {}", place.element.name, place.number,
+            length);
     return length;
   }
 
@@ -172,9 +169,8 @@ class BodyReader {
     for (std::int64_t i = 0; i < length; ++i) {
       const std::int64_t index = source_.take_integer(place, property, *property.type);
       if (index < 0 || static_cast<std::uint64_t>(index) >= vertex_count_) {
-        place.fail(
-            fmt::format("face {} names vertex {}, but there are {}", place.number, index, vertex_count_),
-            Error::index_out_of_range);
+        raise(Error::index_out_of_range, place.file, "face {} names vertex {}, but there are {}",
+              place.number, index, vertex_count_);
       }
       corners_.push_back(static_cast<std::uint32_t>(index));
     }

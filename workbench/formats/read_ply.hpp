@@ -1,4 +1,4 @@
-// Stanford's .ply files, in text or binary.
+// The .ply files of Stanford, text or binary.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace workbench {
 
-/// The faces in `bytes`, contents of `file`, as triangles; elements and properties that say nothing of them
-/// are left out. Vertices may be anything, indices are in range. Throws `kerf::Error` with one line that
-/// names the file, the place in it and what is wrong.
+/// The faces in `bytes`, the contents of `file`, as triangles. Other elements and properties are left out.
+/// Coordinates may be any floats, indices are in range. Throws `kerf::Error` with one line that names the
+/// file, the place in it and what is wrong.
 Scene read_ply(const std::filesystem::path& file, std::string_view bytes);
 
 }  // namespace workbench

@@ -9,12 +9,12 @@
 
 namespace workbench {
 
-/// The lines of a text, however they end.
+/// The lines of a text, which end with `\n` or `\r\n`.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
 
-  /// The next line without its end, or nothing behind the last one.
+  /// The next line without its end, or nothing after the last one.
   std::optional<std::string_view> next() {
     if (rest_.empty()) return std::nullopt;
     const std::size_t end = rest_.find('\n');
@@ -45,8 +45,7 @@ inline std::string_view take_word(std::string_view& rest) {
   return word;
 }
 
-/// The number that all of `word` stands for: "nan" and "inf" are numbers, and what no `Number` can hold is
-/// not.
+/// The number that `word` as a whole spells, if `Number` can hold it. "nan" and "inf" are numbers.
 template <class Number>
 std::optional<Number> to_number(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);

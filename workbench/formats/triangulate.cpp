@@ -15,8 +15,8 @@ double turn(const Point& a, const Point& b, const Point& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-// The polygon seen along the axis nearest its normal, counter-clockwise. The normal is Newell's: the sum of
-// the cross products of neighbours (Sutherland, Sproull & Schumacker 1974).
+// The polygon projected along the axis nearest to its normal, counter-clockwise. The normal is Newell's: the
+// sum of the cross products of neighbours (Sutherland, Sproull & Schumacker 1974).
 std::vector<Point> flatten(const Scene& scene, std::span<const std::uint32_t> polygon) {
   double normal[3] = {0, 0, 0};
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -37,7 +37,7 @@ std::vector<Point> flatten(const Scene& scene, std::span<const std::uint32_t> po
   return points;
 }
 
-// True if the triangle at `i` turns left and holds none of the polygon's other corners.
+// True if the triangle at corner `i` turns left and contains no other corner of the polygon.
 bool is_ear(const std::vector<Point>& points, const std::vector<std::size_t>& ring, std::size_t i) {
   const std::size_t n = ring.size(), before = (i + n - 1) % n, after = (i + 1) % n;
   const Point &a = points[ring[before]], &b = points[ring[i]], &c = points[ring[after]];
@@ -55,8 +55,8 @@ bool is_ear(const std::vector<Point>& points, const std::vector<std::size_t>& ri
 }  // namespace
 
 void append_polygon(Scene& scene, std::span<const std::uint32_t> polygon) {
-  std::vector<std::size_t> ring;  // places in `polygon` of the corners that are left
-  if (polygon.size() > 3 && polygon.size() <= most_corners_with_ears) {
+  std::vector<std::size_t> ring;  // the corners that are left, as positions in `polygon`
+  if (polygon.size() > 3 && polygon.size() <= max_corners_with_ears) {
     const std::vector<Point> points = flatten(scene, polygon);
     for (std::size_t i = 0; i < polygon.size(); ++i) ring.push_back(i);
     for (std::size_t i = 0, tried = 0; ring.size() > 3 && tried < ring.size(); ++tried) {
@@ -66,7 +66,7 @@ void append_polygon(Scene& scene, std::span<const std::uint32_t> polygon) {
             {polygon[ring[(i + n - 1) % n]], polygon[ring[i]], polygon[ring[(i + 1) % n]]});
         ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
         tried = 0;
-        i %= ring.size();  // the next corner has moved here, so that ears are cut all round
+        i %= ring.size();  // now that of the next corner, so that ears are cut all round
       } else {
         i = (i + 1) % n;
       }
