@@ -54,7 +54,7 @@ TEST(Bench, AllEnginesHitTheSameOfTheSameRays) {
   }
 }
 
-TEST(Bench, WithEmbreeHasEveryEngineOfTheContract) {
+TEST(Bench, WithEmbreeHasEveryEngine) {
   if (embree_engines(1).empty()) GTEST_SKIP() << "built without Embree";
   const BenchScene figures = bench_scene(load_scene("terrain:detail=0.002"), all_engines(1), short_run(1));
   std::set<std::string> found;
@@ -83,21 +83,21 @@ BenchScene made_up(const std::string& name, double factor) {
   return scene;
 }
 
-TEST(Bench, RatiosAreGeometricMeansAndLeastCells) {
+TEST(Bench, RatiosAreGeometricMeansAndMinima) {
   const BenchScene scenes[] = {made_up("slow", 0.5), made_up("fast", 8.0)};
   const std::vector<Ratios> ratios = ratios_to_peers(scenes);
   ASSERT_EQ(ratios.size(), 1u);
   EXPECT_EQ(ratios[0].peer, "peer");
   EXPECT_NEAR(ratios[0].mean, 2.0, 1e-12);
   EXPECT_NEAR(ratios[0].primary_mean, 2.0, 1e-12);
-  EXPECT_EQ(ratios[0].least, 0.5);
-  EXPECT_EQ(ratios[0].least_scene, "slow");
+  EXPECT_EQ(ratios[0].min, 0.5);
+  EXPECT_EQ(ratios[0].min_scene, "slow");
   EXPECT_NEAR(ratios[0].build_mean, 3.0, 1e-12);
-  EXPECT_EQ(ratios[0].bytes_most, 0.5);
-  EXPECT_EQ(ratios[0].peak_bytes_most, 1.0);
+  EXPECT_EQ(ratios[0].bytes_max, 0.5);
+  EXPECT_EQ(ratios[0].peak_bytes_max, 1.0);
 }
 
-TEST(Bench, JsonHasTheKeysOfTheContract) {
+TEST(Bench, JsonHasItsKeys) {
   const BenchScene scenes[] = {made_up("one", 1.0)};
   const auto json = to_json(scenes, "0.1.0", 2);
   EXPECT_EQ(json["kerf"], "0.1.0");
@@ -136,7 +136,7 @@ TEST(Bench, LimitsAreMeasuredWhereTheyAreAskedFor) {
   }
 }
 
-TEST(Bench, TheFloorIsWhatTheStepsCostAndEfficiencyItsPartOfTheTime) {
+TEST(Bench, TheFloorIsTheTimeOfTheStepsAndEfficiencyItsFractionOfTheTimeTaken) {
   BenchScene scene = made_up("one", 20.0);  // 50 ns a ray
   scene.limits = {.times = {.node_ns = 3.0, .leaf_ns = 5.0}, .counts = {}};
   scene.limits->counts[1] = {.nodes = 5.0, .leaves = 2.0};

@@ -9,6 +9,7 @@
 
 #include "construction/construct.hpp"
 #include "tree/measures/measures.hpp"
+#include "workbench/rays/slice_timer.hpp"
 
 namespace workbench {
 namespace {
@@ -24,8 +25,8 @@ class Progress {
  public:
   Progress(const BenchOptions& options, const std::string& scene) : options_(options), scene_(scene) {}
 
-  void show(double part, std::string_view what) const {
-    if (options_.progress) options_.progress(part, scene_ + ": " + std::string(what));
+  void show(double fraction, std::string_view what) const {
+    if (options_.progress) options_.progress(fraction, scene_ + ": " + std::string(what));
   }
 
  private:
@@ -44,7 +45,7 @@ std::vector<Build> build_all(std::span<const Engine> engines, const kerf::Triang
   for (unsigned round = 0; round <= options.build_rounds; ++round) {
     for (std::size_t e = 0; e < engines.size(); ++e) {
       progress.show(0.5 * round / (options.build_rounds + 1), "building " + engines[e].name);
-      builds[e].traceable = {};  // the memory of the last round is given back before the clock starts
+      builds[e].traceable = {};  // frees the memory of the last round before the clock starts
       const double time = seconds([&] { builds[e].traceable = engines[e].build(mesh); });
       if (round > 0) builds[e].best_seconds = std::min(builds[e].best_seconds, time);
     }
@@ -52,79 +53,66 @@ std::vector<Build> build_all(std::span<const Engine> engines, const kerf::Triang
   return builds;
 }
 
-// Rays that are handed over and timed together. A disturbance of the machine must hit the same slice in every
-// round to show; yet a slice is long enough (some milliseconds) for threads to be worth starting and rays to
-// be sorted.
+// Rays per slice, which is handed to a tracer as one span. A slice takes some milliseconds: long enough for
+// threads to be worth starting and for rays to be sorted, short enough for most slices to run undisturbed.
 constexpr std::size_t slice_size = 16384;
 
-class RayTimer {
+// Traces a set of rays in spans, with results in memory for one span.
+class SpanTracer {
  public:
-  RayTimer(const RaySet& set, const Tracer& tracer)
-      : set_(set), tracer_(tracer), best_((set.rays.size() + slice_size - 1) / slice_size, Slice{}) {}
+  SpanTracer(const RaySet& set, const Tracer& tracer) : set_(set), tracer_(tracer) {}
 
-  /// Returns the seconds that it took.
-  double trace_once() {
-    double total = 0.0;
-    for (std::size_t i = 0; i < best_.size(); ++i) {
-      const std::size_t begin = i * slice_size;
-      const Slice slice =
-          trace(std::span(set_.rays).subspan(begin).first(std::min(slice_size, set_.rays.size() - begin)));
-      if (slice.seconds < best_[i].seconds) best_[i] = slice;
-      total += slice.seconds;
+  void trace(std::size_t begin, std::size_t end) {
+    const auto rays = std::span(set_.rays).subspan(begin, end - begin);
+    if (set_.any_hit()) {
+      occluded_.resize(rays.size());
+      tracer_.occluded(rays, occluded_);
+    } else {
+      hits_.resize(rays.size());
+      tracer_.intersect(rays, hits_);
     }
-    return total;
   }
 
-  BenchRays figures() const {
-    BenchRays rays{.type = set_.type, .count = set_.rays.size(), .hits = 0, .mrays_per_s = 0.0};
-    double total = 0.0;
-    for (const Slice& slice : best_) {
-      rays.hits += slice.hits;
-      total += slice.seconds;
-    }
-    rays.mrays_per_s = 1e-6 * static_cast<double>(rays.count) / total;
-    return rays;
+  // Of the span that was traced last.
+  std::size_t hit_count() const {
+    const auto count = set_.any_hit() ? std::count(occluded_.begin(), occluded_.end(), 1)
+                                      : std::count_if(hits_.begin(), hits_.end(),
+                                                      [](const kerf::Hit& hit) { return bool(hit); });
+    return static_cast<std::size_t>(count);
   }
 
  private:
-  struct Slice {
-    double seconds = std::numeric_limits<double>::infinity();
-    std::size_t hits = 0;
-  };
-
-  Slice trace(std::span<const kerf::Ray> rays) {
-    Slice slice;
-    if (set_.any_hit()) {
-      std::vector<std::uint8_t> occluded(rays.size());
-      slice.seconds = seconds([&] { tracer_.occluded(rays, occluded); });
-      slice.hits = static_cast<std::size_t>(std::count(occluded.begin(), occluded.end(), 1));
-    } else {
-      std::vector<kerf::Hit> hits(rays.size());
-      slice.seconds = seconds([&] { tracer_.intersect(rays, hits); });
-      slice.hits = static_cast<std::size_t>(
-          std::count_if(hits.begin(), hits.end(), [](const kerf::Hit& hit) { return bool(hit); }));
-    }
-    return slice;
-  }
-
   const RaySet& set_;
   const Tracer& tracer_;
-  std::vector<Slice> best_;
+  std::vector<std::uint8_t> occluded_;
+  std::vector<kerf::Hit> hits_;
 };
 
 std::vector<BenchRays> trace_all(std::span<const Tracer> tracers, const RaySet& set,
                                  const BenchOptions& options) {
-  std::vector<RayTimer> timers;
-  for (const Tracer& tracer : tracers) {
-    RayTimer(set, tracer).trace_once();  // warms up
-    timers.emplace_back(set, tracer);
-  }
-  double spent = 0.0;
-  for (unsigned round = 0; round < options.trace_rounds || spent < options.trace_seconds; ++round) {
-    for (RayTimer& timer : timers) spent += timer.trace_once();
-  }
+  const std::size_t ray_count = set.rays.size();
   std::vector<BenchRays> figures;
-  for (const RayTimer& timer : timers) figures.push_back(timer.figures());
+  std::vector<SpanTracer> span_tracers;
+  std::vector<TraceRange> trace_ranges;
+  span_tracers.reserve(tracers.size());  // the functions below refer to its elements
+  for (const Tracer& tracer : tracers) {
+    SpanTracer& span_tracer = span_tracers.emplace_back(set, tracer);
+    std::size_t hits = 0;
+    for (std::size_t begin = 0; begin < ray_count; begin += slice_size) {  // this also warms up
+      span_tracer.trace(begin, std::min(begin + slice_size, ray_count));
+      hits += span_tracer.hit_count();
+    }
+    figures.push_back({.type = set.type, .count = ray_count, .hits = hits, .mrays_per_s = 0.0});
+    trace_ranges.emplace_back(
+        [&span_tracer](std::size_t begin, std::size_t end) { span_tracer.trace(begin, end); });
+  }
+  if (ray_count == 0) return figures;
+  const std::vector<double> seconds =
+      time_slices(trace_ranges, ray_count, (ray_count + slice_size - 1) / slice_size,
+                  {.rounds = options.trace_rounds, .seconds = options.trace_seconds});
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    figures[i].mrays_per_s = 1e-6 * static_cast<double>(ray_count) / seconds[i];
+  }
   return figures;
 }
 
@@ -134,8 +122,8 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, options.threads);
   const Progress progress(options, scene.name);
 
-  // All engines read the same arrays. One more vertex makes it safe to read 16 bytes from the last that is
-  // used.
+  // All engines read the same arrays. One more vertex at the end makes it safe to read 16 bytes from any
+  // vertex in use.
   std::vector<kerf::Vec3f> vertices = scene.vertices;
   vertices.emplace_back();
   const kerf::TriangleMesh mesh{.vertices = {vertices.data(), scene.vertices.size(), sizeof(kerf::Vec3f)},
@@ -160,10 +148,10 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   defaults.threads = options.threads;
   const kerf::Bvh bvh = kerf::build(mesh, defaults);
   if (options.limits) figures.limits = {.times = measure_steps(), .counts = {}};
-  double part = 0.5;
+  double fraction = 0.5;
   for (const RayType type : ray_types) {
-    progress.show(part, "tracing " + std::string(name(type)));
-    part += 0.5 / std::size(ray_types);
+    progress.show(fraction, "tracing " + std::string(name(type)));
+    fraction += 0.5 / std::size(ray_types);
     const RaySet set = make_rays(scene, bvh, type, options.rays);
     const std::vector<BenchRays> rays = trace_all(tracers, set, options);
     for (std::size_t i = 0; i < rays.size(); ++i) figures.results[i].rays.push_back(rays[i]);

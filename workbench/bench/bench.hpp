@@ -1,4 +1,4 @@
-// kerf beside its peers: build time, memory and speed on the same mesh and the same rays, in the same run.
+// kerf beside its peers: build time, memory and speed with the same mesh and the same rays, in the same run.
 #pragma once
 
 #include <cstddef>
@@ -39,20 +39,21 @@ struct BenchScene {
   double sah = 0.0;            ///< of kerf's tree
   std::size_t references = 0;  ///< of kerf's tree
   std::vector<BenchResult> results;
-  std::optional<Limits> limits = {};  ///< of kerf, where they were asked for
+  std::optional<Limits> limits = {};  ///< of kerf, if they were asked for
 };
 
 struct BenchOptions {
   unsigned threads = 1;
-  unsigned build_rounds = 5;   ///< the best of them counts; one more comes before to warm up
-  unsigned trace_rounds = 5;   ///< at least; likewise
-  double trace_seconds = 2.0;  ///< further rounds until those of one type of rays took as long
+  unsigned build_rounds = 5;   ///< the best one counts; another round before them warms up
+  unsigned trace_rounds = 5;   ///< at least; another round before them warms up
+  double trace_seconds = 2.0;  ///< more rounds follow until those of one type of rays took as long
   RaySetOptions rays;
-  bool limits = false;  ///< measure how fast kerf could be at best, too
-  std::function<void(double part, std::string_view what)> progress;
+  bool limits = false;  ///< also measure how fast kerf could be at best
+  std::function<void(double fraction, std::string_view what)> progress;
 };
 
-/// Engines take turns, round after round, so that what slows the machine for a while slows all of them.
+/// Builds and traces `scene` with all `engines`. Rounds of the engines are interleaved, so that what slows
+/// the machine for a while slows all of them.
 BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, const BenchOptions& options);
 
 }  // namespace workbench

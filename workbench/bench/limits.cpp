@@ -18,23 +18,23 @@ namespace {
 
 using namespace kerf;
 
-// Some microseconds a run: short enough that the best of many is undisturbed.
-constexpr std::size_t steps_a_run = 2000;
+// A run takes some microseconds, so that the best of many runs is undisturbed.
+constexpr std::size_t steps_per_run = 2000;
 constexpr int runs = 200;
 
 template <class Run>
-double best_ns_a_step(const Run& run) {
+double best_ns_per_step(const Run& run) {
   double best = std::numeric_limits<double>::infinity();
   for (int i = 0; i < runs; ++i) {
     const auto start = std::chrono::steady_clock::now();
     run();
     best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   }
-  return 1e9 * best / steps_a_run;
+  return 1e9 * best / steps_per_run;
 }
 
-// Thirty-two layers of one triangle each, one behind the other along z: enough for a node with several
-// leaves, which a ray along z all meets.
+// Thirty-two layers of one triangle each, one behind another along z. They make a node with several leaves,
+// all of which a ray along z meets.
 Bvh layers() {
   constexpr std::uint32_t count = 32;
   std::vector<Vec3f> vertices;
@@ -53,13 +53,13 @@ StepTimes measure_steps() {
   const Bvh bvh = layers();
   const WideBvh& wide = bvh.structure().wide;
   const Kernels& kernels = *bvh.structure().kernels;
-  // Within the layers' boxes, beside their triangles.
+  // Through the boxes of the layers, but beside their triangles.
   const Ray ray{.origin = {0.9f, 0.9f, -1.0f}, .direction = {0.01f, 0.01f, 1.0f}};
   const auto leaf = std::find_if(std::begin(wide.nodes[0].children), std::end(wide.nodes[0].children),
                                  [](ChildLink child) { return child.is_leaf(); });
   StepTimes times;
-  times.node_ns = best_ns_a_step([&] { kernels.repeat_node_steps(wide, ray, steps_a_run); });
-  times.leaf_ns = best_ns_a_step([&] { kernels.repeat_leaf_tests(wide, ray, *leaf, steps_a_run); });
+  times.node_ns = best_ns_per_step([&] { kernels.repeat_node_steps(wide, ray, steps_per_run); });
+  times.leaf_ns = best_ns_per_step([&] { kernels.repeat_leaf_tests(wide, ray, *leaf, steps_per_run); });
   return times;
 }
 

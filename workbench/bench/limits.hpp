@@ -1,5 +1,5 @@
-// How fast a single ray could be traced at best on this machine: if it waited for no memory, no branch and no
-// result of the step before.
+// How fast a single ray could be traced at best on this machine: if it never waited for memory, for a branch
+// or for the result of the step before.
 #pragma once
 
 #include <array>
@@ -11,17 +11,17 @@
 
 namespace workbench {
 
-/// What one step costs with everything in the first-level cache, steps following each other as closely as the
-/// machine can overlap them.
+/// The time of one step with everything in the first-level cache, where consecutive steps overlap as far as
+/// the machine allows.
 struct StepTimes {
-  double node_ns = 0.0;  ///< a ray against the boxes of a node, and those that it meets put in order
-  double leaf_ns = 0.0;  ///< a ray against the triangles of a leaf, all of which it misses
+  double node_ns = 0.0;  ///< tests the boxes of a node and sorts those that the ray meets
+  double leaf_ns = 0.0;  ///< tests the triangles of a leaf, all of which the ray misses
 };
 
 /// Measures the kernels that `kerf::build` chooses here, in a few milliseconds.
 StepTimes measure_steps();
 
-/// Steps of `Bvh::intersect` or `Bvh::occluded`, a ray.
+/// Steps of `Bvh::intersect` or `Bvh::occluded` per ray.
 struct StepCounts {
   double nodes = 0.0;
   double leaves = 0.0;
@@ -29,12 +29,12 @@ struct StepCounts {
 
 StepCounts count_steps(const kerf::Bvh& bvh, const RaySet& set);
 
-/// The least that a ray can take.
+/// The time that a ray takes at least.
 constexpr double floor_ns(const StepTimes& times, const StepCounts& counts) {
   return times.node_ns * counts.nodes + times.leaf_ns * counts.leaves;
 }
 
-/// That floor as a part of what a ray took. Packets may exceed 1: one step of theirs serves many rays.
+/// The floor divided by the time that a ray took. Packets may exceed 1: one of their steps serves many rays.
 constexpr double efficiency(double floor, double mrays_per_s) {
   return floor * mrays_per_s * 1e-3;
 }

@@ -40,8 +40,8 @@ class GeometricMean {
 };
 
 Ratios ratios(std::span<const BenchScene> scenes, const BenchResult& kerf, const BenchResult& peer) {
-  Ratios ratios{.mode = kerf.mode, .peer = peer.engine, .least_scene = {}};
-  ratios.least = ratios.build_least = std::numeric_limits<double>::infinity();
+  Ratios ratios{.mode = kerf.mode, .peer = peer.engine, .min_scene = {}};
+  ratios.min = ratios.build_min = std::numeric_limits<double>::infinity();
   GeometricMean all, primary, builds;
   for (const BenchScene& scene : scenes) {
     const BenchResult* ours = find(scene, kerf.engine, kerf.mode);
@@ -51,21 +51,21 @@ Ratios ratios(std::span<const BenchScene> scenes, const BenchResult& kerf, const
       const double ratio = ours->rays[i].mrays_per_s / theirs->rays[i].mrays_per_s;
       all.add(ratio);
       if (ours->rays[i].type == RayType::primary) primary.add(ratio);
-      if (ratio < ratios.least) {
-        ratios.least = ratio;
-        ratios.least_scene = scene.name;
-        ratios.least_type = ours->rays[i].type;
+      if (ratio < ratios.min) {
+        ratios.min = ratio;
+        ratios.min_scene = scene.name;
+        ratios.min_type = ours->rays[i].type;
       }
     }
     const double build = theirs->build_ms / ours->build_ms;
     builds.add(build);
-    ratios.build_least = std::min(ratios.build_least, build);
+    ratios.build_min = std::min(ratios.build_min, build);
     const auto share = [](std::size_t a, std::size_t b) {
       return static_cast<double>(a) / static_cast<double>(b);
     };
-    ratios.bytes_most = std::max(ratios.bytes_most, share(ours->bytes, theirs->bytes));
-    ratios.peak_bytes_most =
-        std::max(ratios.peak_bytes_most, share(ours->build_peak_bytes, theirs->build_peak_bytes));
+    ratios.bytes_max = std::max(ratios.bytes_max, share(ours->bytes, theirs->bytes));
+    ratios.peak_bytes_max =
+        std::max(ratios.peak_bytes_max, share(ours->build_peak_bytes, theirs->build_peak_bytes));
   }
   ratios.mean = all.value();
   ratios.primary_mean = primary.value();
@@ -73,7 +73,7 @@ Ratios ratios(std::span<const BenchScene> scenes, const BenchResult& kerf, const
   return ratios;
 }
 
-// Marks the cell of the row with the best value: the largest, or the smallest.
+// Marks the cell with the best value: the largest, or the smallest.
 void mark_best(Column& column, const std::vector<double>& values, bool largest) {
   if (values.size() < 2) return;
   const auto best = largest ? std::max_element(values.begin(), values.end())
@@ -81,13 +81,13 @@ void mark_best(Column& column, const std::vector<double>& values, bool largest) 
   column.cells[static_cast<std::size_t>(best - values.begin())].best = true;
 }
 
-Column figures(const BenchScene& scene, std::string head, const char* form, bool largest,
+Column figures(const BenchScene& scene, std::string head, const char* format, bool largest,
                const std::function<double(const BenchResult&)>& figure) {
   Column column{.head = std::move(head), .cells = {}};
   std::vector<double> values;
   for (const BenchResult& result : scene.results) {
     values.push_back(figure(result));
-    column.cells.push_back({fmt::format(fmt::runtime(form), values.back())});
+    column.cells.push_back({fmt::format(fmt::runtime(format), values.back())});
   }
   mark_best(column, values, largest);
   return column;
@@ -116,7 +116,7 @@ std::string format_scene(const BenchScene& scene, Emphasis emphasis) {
                      scene.references, scene.sah, format(columns, emphasis));
 }
 
-// What kerf could do at best, and which part of it is reached.
+// How fast kerf could be at best, and which fraction of that it reaches.
 std::string format_limits(const BenchScene& scene) {
   if (!scene.limits) return {};
   const Limits& limits = *scene.limits;
@@ -133,18 +133,18 @@ std::string format_limits(const BenchScene& scene) {
   }
   for (const BenchResult& result : scene.results) {
     if (!is_kerf(result)) continue;
-    Column took{.head = result.mode + " ns", .cells = {}}, part{.head = "efficiency", .cells = {}};
+    Column took{.head = result.mode + " ns", .cells = {}}, reached{.head = "efficiency", .cells = {}};
     for (std::size_t i = 0; i < result.rays.size(); ++i) {
       const double speed = result.rays[i].mrays_per_s;
       took.cells.push_back({fmt::format("{:.1f}", 1e3 / speed)});
-      part.cells.push_back(
+      reached.cells.push_back(
           {fmt::format("{:.2f}", efficiency(floor_ns(limits.times, limits.counts[i]), speed))});
     }
     columns.push_back(std::move(took));
-    columns.push_back(std::move(part));
+    columns.push_back(std::move(reached));
   }
   return fmt::format(
-      "Floor: {:.2f} ns a node, {:.2f} ns a leaf with everything in the first-level cache\n{}\n",
+      "Floor: {:.2f} ns per node and {:.2f} ns per leaf, with everything in the first-level cache\n{}\n",
       limits.times.node_ns, limits.times.leaf_ns, format(columns, Emphasis::mark));
 }
 
@@ -154,12 +154,14 @@ nlohmann::ordered_json limits_json(const BenchScene& scene) {
   for (std::size_t i = 0; i < std::size(ray_types); ++i) {
     const StepCounts& counts = limits.counts[i];
     const double floor = floor_ns(limits.times, counts);
-    nlohmann::ordered_json parts;
+    nlohmann::ordered_json efficiencies;
     for (const BenchResult& result : scene.results) {
-      if (is_kerf(result)) parts[result.mode] = efficiency(floor, result.rays[i].mrays_per_s);
+      if (is_kerf(result)) efficiencies[result.mode] = efficiency(floor, result.rays[i].mrays_per_s);
     }
-    rays[std::string(name(ray_types[i]))] = {
-        {"steps", counts.nodes}, {"leaves", counts.leaves}, {"floor_ns", floor}, {"efficiency", parts}};
+    rays[std::string(name(ray_types[i]))] = {{"steps", counts.nodes},
+                                             {"leaves", counts.leaves},
+                                             {"floor_ns", floor},
+                                             {"efficiency", efficiencies}};
   }
   return {{"node_ns", limits.times.node_ns}, {"leaf_ns", limits.times.leaf_ns}, {"rays", std::move(rays)}};
 }
@@ -171,10 +173,10 @@ std::string format_ratios(std::span<const BenchScene> scenes) {
                               {.head = "relative to", .cells = {}, .left_aligned = true},
                               {.head = "speed", .cells = {}},
                               {.head = "primary", .cells = {}},
-                              {.head = "least", .cells = {}},
+                              {.head = "min", .cells = {}},
                               {.head = "where", .cells = {}, .left_aligned = true},
                               {.head = "build", .cells = {}},
-                              {.head = "least", .cells = {}},
+                              {.head = "min", .cells = {}},
                               {.head = "bytes", .cells = {}},
                               {.head = "peak", .cells = {}}};
   for (const Ratios& r : list) {
@@ -182,17 +184,17 @@ std::string format_ratios(std::span<const BenchScene> scenes) {
                                  r.peer,
                                  fmt::format("{:.2f}x", r.mean),
                                  fmt::format("{:.2f}x", r.primary_mean),
-                                 fmt::format("{:.2f}x", r.least),
-                                 fmt::format("{}, {}", r.least_scene, name(r.least_type)),
+                                 fmt::format("{:.2f}x", r.min),
+                                 fmt::format("{}, {}", r.min_scene, name(r.min_type)),
                                  fmt::format("{:.2f}x", r.build_mean),
-                                 fmt::format("{:.2f}x", r.build_least),
-                                 fmt::format("{:.2f}", r.bytes_most),
-                                 fmt::format("{:.2f}", r.peak_bytes_most)};
+                                 fmt::format("{:.2f}x", r.build_min),
+                                 fmt::format("{:.2f}", r.bytes_max),
+                                 fmt::format("{:.2f}", r.peak_bytes_max)};
     for (std::size_t c = 0; c < columns.size(); ++c) columns[c].cells.push_back({cells[c]});
   }
-  return "Speed and build: how many times as fast as the peer, geometric means over scenes and types of "
+  return "Speed and build: kerf's speed divided by the peer's, geometric means over scenes and types of "
          "rays.\n"
-         "Bytes and peak: kerf's over the peer's, of the scene where that is largest.\n" +
+         "Bytes and peak: kerf's memory divided by the peer's, in the scene where that is largest.\n" +
          format(columns, Emphasis::mark);
 }
 

@@ -21,14 +21,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Builds are timed this many times, unless one round of all contenders already takes `long_round` seconds:
-// what a busy machine adds to so long a build is small beside it.
+// Each build is timed this many times, unless one round of all contenders takes `long_round` seconds or more:
+// a busy machine then adds little to the time of a build, compared with that time.
 constexpr unsigned build_rounds = 3;
 constexpr double long_round = 10.0;
 
-// What part of the work each stage is, roughly, for the progress bar.
-constexpr double first_build_share = 0.3;  // and the metrics of the tree
-constexpr double build_share = 0.5;
+// Where the stages end on the progress bar, roughly.
+constexpr double first_build_end = 0.3;  // the measures of the trees included
+constexpr double builds_end = 0.5;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -38,7 +38,8 @@ bool pre_splits(kerf::Builder builder) {
   return builder == kerf::Builder::esc || builder == kerf::Builder::evh;
 }
 
-// Gives every builder that splits before it builds the number of references that the SBVH of its alpha has.
+// Lets every builder that splits before it builds make as many references as the SBVH with the same alpha
+// has.
 std::vector<Contender> with_equal_references(const kerf::Geometry& geometry,
                                              std::span<const Contender> contenders, unsigned threads) {
   std::vector<Contender> result(contenders.begin(), contenders.end());
@@ -64,9 +65,9 @@ std::size_t count_differences(std::span<const kerf::Hit> hits, std::span<const k
 }
 
 // The measurement of one scene, stage after stage.
-class Measuring {
+class Measurement {
  public:
-  Measuring(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options)
+  Measurement(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options)
       : scene_(scene), options_(options), mesh_(scene.mesh()), geometry_(std::span(&mesh_, 1)) {
     report(0.0, "equal references");
     contenders_ = with_equal_references(geometry_, contenders, options.threads);
@@ -83,7 +84,7 @@ class Measuring {
   Comparison run() {
     for (std::size_t i = 0; i < contenders_.size(); ++i) build_first(i);
     for (unsigned round = 1; round < build_rounds && build_seconds_ < long_round; ++round) {
-      report(first_build_share + (build_share - first_build_share) * (round - 1) / (build_rounds - 1),
+      report(first_build_end + (builds_end - first_build_end) * (round - 1) / (build_rounds - 1),
              "build again");
       for (std::size_t i = 0; i < contenders_.size(); ++i) build(i, [](const kerf::BinaryTree&) {});
     }
@@ -93,17 +94,17 @@ class Measuring {
   }
 
  private:
-  void report(double part, std::string_view what) const {
-    if (options_.progress) options_.progress(part, what);
+  void report(double fraction, std::string_view what) const {
+    if (options_.progress) options_.progress(fraction, what);
   }
 
-  // Builds and times; `look` sees the tree in between, while the clock stands still.
-  template <class Look>
-  kerf::Bvh build(std::size_t i, const Look& look) {
+  // Builds and measures the time, without that of `inspect`, which is given the tree.
+  template <class Inspect>
+  kerf::Bvh build(std::size_t i, const Inspect& inspect) {
     auto start = Clock::now();
     kerf::BinaryTree tree = build_tree(geometry_, contenders_[i].options);
     double seconds = seconds_since(start);
-    look(tree);
+    inspect(tree);
     start = Clock::now();
     kerf::Bvh bvh = make_bvh(geometry_, std::move(tree));
     seconds += seconds_since(start);
@@ -115,10 +116,10 @@ class Measuring {
 
   void build_first(std::size_t i) {
     BuilderFigures& figures = result_.figures.builders[i];
-    const double part = first_build_share / static_cast<double>(contenders_.size());
-    report(part * static_cast<double>(i), "build " + figures.name);
+    const double step = first_build_end / static_cast<double>(contenders_.size());
+    report(step * static_cast<double>(i), "build " + figures.name);
     const kerf::Bvh bvh = build(i, [&](const kerf::BinaryTree& tree) {
-      report(part * (static_cast<double>(i) + 0.5), "measure " + figures.name);
+      report(step * (static_cast<double>(i) + 0.5), "measure " + figures.name);
       result_.figures.degenerate_triangles = tree.degenerate_triangles;
       figures.sah = surface_area_cost(tree);
       figures.epo = end_point_overlap(tree, geometry_);
@@ -132,7 +133,7 @@ class Measuring {
 
   void trace(RayType type) {
     const auto place = static_cast<std::size_t>(type);
-    report(build_share + (1.0 - build_share) * static_cast<double>(place) / std::size(ray_types),
+    report(builds_end + (1.0 - builds_end) * static_cast<double>(place) / std::size(ray_types),
            fmt::format("trace {} rays", title(type)));
     const RaySet set = make_rays(scene_, result_.hierarchies.front(), type, options_.rays);
     std::vector<kerf::Hit> first_hits;
@@ -149,7 +150,7 @@ class Measuring {
       else
         figures.disagreements += count_differences(pass.hits, first_hits);
     }
-    const std::vector<double> seconds = time_interleaved(
+    const std::vector<double> seconds = time_hierarchies(
         result_.hierarchies, set, {.rounds = options_.rounds, .seconds = options_.seconds_per_type});
     for (std::size_t i = 0; i < contenders_.size(); ++i) {
       if (!set.rays.empty()) {
@@ -191,7 +192,7 @@ std::string_view name(kerf::Builder builder) {
 }
 
 Comparison compare(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options) {
-  return Measuring(scene, contenders, options).run();
+  return Measurement(scene, contenders, options).run();
 }
 
 }  // namespace workbench

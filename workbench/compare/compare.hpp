@@ -16,7 +16,7 @@
 
 namespace workbench {
 
-/// One way to build, under the name that the tables call it.
+/// One way to build, and its name in the tables.
 struct Contender {
   std::string name;
   kerf::BuildOptions options;
@@ -26,16 +26,16 @@ struct Contender {
 struct RayFigures {
   std::size_t count = 0;
   std::size_t hits = 0;
-  double steps = 0.0;           ///< inner-node visits a ray
-  double triangle_tests = 0.0;  ///< triangle tests a ray
-  double mrays_per_s = 0.0;  ///< on one thread; best of at least three rounds, in turn with other hierarchies
+  double steps = 0.0;           ///< inner-node visits per ray
+  double triangle_tests = 0.0;  ///< triangle tests per ray
+  double mrays_per_s = 0.0;     ///< on one thread, interleaved with the other hierarchies (see `time_slices`)
 };
 
-/// What one contender built, and how it fared.
+/// What one contender built, and its measures.
 struct BuilderFigures {
   std::string name;
   float alpha = 0.0f;
-  double build_ms = 0.0;  ///< best of the rounds; for esc and evh the search for the threshold included
+  double build_ms = 0.0;  ///< best of the rounds; esc and evh include the search for their threshold
   double sah = 0.0;
   double epo = 0.0;
   double lcv = 0.0;
@@ -43,7 +43,7 @@ struct BuilderFigures {
   std::size_t nodes = 0;
   std::size_t bytes = 0;
   std::array<RayFigures, std::size(ray_types)> rays;  ///< in the order of `ray_types`
-  std::size_t disagreements = 0;  ///< rays whose hit is not, to the last bit, that of the first contender
+  std::size_t disagreements = 0;  ///< rays whose hit differs, in any bit, from that of the first contender
 };
 
 struct SceneFigures {
@@ -56,24 +56,24 @@ struct SceneFigures {
 };
 
 struct CompareOptions {
-  unsigned threads = 0;           ///< that build and count; 0 is all there are. Rays are timed on one
+  unsigned threads = 0;           ///< that build and count, 0 for all there are; rays are timed on one
   RaySetOptions rays = {};        ///< size of each viewpoint's picture
-  unsigned rounds = 3;            ///< the fewest rounds of timing
-  double seconds_per_type = 1.0;  ///< more rounds are made until all hierarchies together traced this long
+  unsigned rounds = 3;            ///< of timing, at least
+  double seconds_per_type = 1.0;  ///< more rounds follow until all hierarchies together traced for this long
 
-  /// Called with the part of the work that is done and a word for what comes next. Returning is all it may
-  /// do.
-  std::function<void(double, std::string_view)> progress = {};
+  /// Called with the fraction of the work that is done and a word for what comes next. Must not throw.
+  std::function<void(double fraction, std::string_view what)> progress = {};
 };
 
-/// Figures and the hierarchies that they belong to.
+/// Figures, and the hierarchies that they belong to.
 struct Comparison {
   SceneFigures figures;
   std::vector<kerf::Bvh> hierarchies = {};
 };
 
-/// Builds and measures. `esc` and `evh` contenders whose `presplit_references` is 0 are made to have as many
-/// references as the SBVH of the same alpha, which is built first, whether it is a contender or not.
+/// Builds and measures. The `esc` and `evh` contenders whose `presplit_references` is 0 are given as many
+/// references as the SBVH with the same alpha has. That SBVH is built first, whether it is a contender or
+/// not.
 Comparison compare(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options);
 
 /// The names of builders on the command line and in JSON.

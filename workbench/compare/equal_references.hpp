@@ -1,5 +1,5 @@
-// How many references a builder that splits before it builds must be allowed, for its hierarchy to have as
-// many as another.
+// How many references a builder that splits before it builds must be allowed, so that its hierarchy has as
+// many as another one.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,16 @@
 
 namespace workbench {
 
-/// The references of the hierarchy that `options` describe, in the layout that is traced.
+/// The number of references of the hierarchy that `options` describe, in the layout that is traced.
 std::size_t count_references(const kerf::Geometry& geometry, const kerf::BuildOptions& options);
 
 /// The `presplit_references` with which the hierarchy that `options` describe, of `esc` or `evh`, has
-/// `references` references, or as near to that as was found. Parts of a triangle that come to one leaf are
-/// one reference of it, so that there are fewer in the end than were made before the build; how many fewer,
-/// only a build can tell. The secant rule takes a few. Some hierarchies cannot have as many: further
-/// splitting makes nothing but parts that end in one leaf.
+/// `references` references, or as near to that as was found.
+///
+/// The parts of a triangle that end in one leaf are one reference of it. There are therefore fewer references
+/// after the build than before it, and only a build can tell how many fewer. The secant method takes a few
+/// builds. Some hierarchies cannot have as many references: further splitting only makes parts that end in
+/// one leaf.
 std::size_t presplit_references_for(std::size_t references, const kerf::Geometry& geometry,
                                     kerf::BuildOptions options);
 

@@ -7,9 +7,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The double of the same shortest decimal, so that 1e-5f is written as 1e-05 and not
-// as 9.999999747378752e-06.
-double shortest(float value) {
+// The double with the same shortest decimal form, so that 1e-5f is written as 1e-05 and not as
+// 9.999999747378752e-06.
+double same_decimal(float value) {
   return std::stod(fmt::format("{}", value));
 }
 
@@ -27,7 +27,7 @@ Json to_json(const BuilderFigures& builder) {
     rays[std::string(name(ray_types[type]))] = to_json(builder.rays[type]);
   }
   return {{"name", builder.name},
-          {"alpha", shortest(builder.alpha)},
+          {"alpha", same_decimal(builder.alpha)},
           {"build_ms", builder.build_ms},
           {"sah", builder.sah},
           {"epo", builder.epo},

@@ -1,4 +1,4 @@
-// Comparisons as JSON: the contract of the command line (docs/architecture.md).
+// Comparisons as JSON, as `kerf compare --json` and `kerf sweep --json` write them.
 #pragma once
 
 #include <span>

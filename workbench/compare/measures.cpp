@@ -29,15 +29,15 @@ constexpr std::array<Measure<BuilderFigures>, 7> tree_list{{
      false, [](const BuilderFigures& f) { return f.epo; }, four_digits},
     {"lcv", "LCV", "Leaf count variability: the standard deviation of the number of leaves that a line meets",
      false, [](const BuilderFigures& f) { return f.lcv; }, four_digits},
-    {"references", "references", "Triangles in leaves, counted as often as they stand there", false,
+    {"references", "references", "Triangles in leaves, each counted once per leaf that holds it", false,
      [](const BuilderFigures& f) { return static_cast<double>(f.references); }, count},
     {"nodes", "nodes", "Inner nodes and leaves of the structure that is traced", false,
      [](const BuilderFigures& f) { return static_cast<double>(f.nodes); }, count},
     {"bytes", "MiB", "Memory of the structure that is traced, triangles included", false,
      [](const BuilderFigures& f) { return static_cast<double>(f.bytes); }, mebibytes},
     {"build_ms", "build ms",
-     "From arrays of triangles to a structure ready to trace; esc and evh search their threshold in this "
-     "time",
+     "From arrays of triangles to a structure ready to trace; for esc and evh with the search for the "
+     "threshold",
      false, [](const BuilderFigures& f) { return f.build_ms; }, four_digits},
 }};
 
@@ -47,8 +47,8 @@ constexpr std::array<Measure<RayFigures>, 3> ray_list{{
     {"triangle_tests", "tests/ray", "Triangles that a ray is tested against", false,
      [](const RayFigures& f) { return f.triangle_tests; }, four_digits},
     {"mrays_per_s", "Mrays/s",
-     "Millions of rays that one thread traces in a second, counting nothing: the best of several rounds",
-     true, [](const RayFigures& f) { return f.mrays_per_s; }, four_digits},
+     "Millions of rays per second that one thread traces without counting: the best of several rounds", true,
+     [](const RayFigures& f) { return f.mrays_per_s; }, four_digits},
 }};
 
 }  // namespace
@@ -111,7 +111,7 @@ std::string format_ratio(double value, double base) {
 }
 
 std::string format_alpha(float alpha) {
-  constexpr float plain = 0.01f;  // from here up, decimals are shorter
+  constexpr float plain = 0.01f;  // from here on, decimals are shorter
   if (alpha == 0.0f || alpha >= plain) return fmt::format("{}", alpha);
   const double exponent = std::floor(std::log10(alpha) + 1e-6);
   return fmt::format("{:.4g}e{:.0f}", alpha / std::pow(10.0, exponent), exponent);

@@ -1,4 +1,4 @@
-// What tables, charts and explanations say about each figure: one list for all of them.
+// The one list of what tables, charts and explanations say about each figure.
 #pragma once
 
 #include <initializer_list>
@@ -11,7 +11,7 @@
 
 namespace workbench {
 
-/// One figure of `Figures`: its column.
+/// One figure of `Figures`, as a column of a table.
 template <class Figures>
 struct Measure {
   std::string_view key;      ///< as in the JSON
@@ -25,17 +25,17 @@ struct Measure {
 std::span<const Measure<BuilderFigures>> tree_measures();
 std::span<const Measure<RayFigures>> ray_measures();
 
-/// The ray type in full, and what such a ray is.
+/// The name of the ray type in full, and what such a ray is.
 std::string_view title(RayType type);
 std::string_view meaning(RayType type);
 
-/// Rays of all `types` together, divided by the time that they took together.
+/// The number of rays of all `types`, divided by the time that they took together.
 double rays_per_second(const BuilderFigures& builder, std::initializer_list<RayType> types);
 
-/// For each value whether it is the best; none is where all are equal.
+/// For each value whether it is the best. Where all are equal, none is.
 std::vector<bool> best_of(std::span<const double> values, bool higher_is_better);
 
-/// `0.93×`; nothing if either is 0, so that no ratio can be had.
+/// `0.93×`, or nothing if either is 0 and there is no ratio.
 std::string format_ratio(double value, double base);
 
 /// 0.5 as `0.5`, one in a hundred thousand as `1e-5`.

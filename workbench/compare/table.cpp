@@ -20,7 +20,7 @@ std::string heading(const SceneFigures& scene) {
   return text + "\n";
 }
 
-// A column of figures with the best marked, and one of their ratios to the first.
+// A column of figures, the best of them marked, and a column of their ratios to the first.
 void append_measured(std::vector<Column>& columns, std::string_view head, const std::vector<double>& values,
                      bool higher_is_better, std::string (*format)(double)) {
   const std::vector<bool> best = best_of(values, higher_is_better);
@@ -34,7 +34,7 @@ void append_measured(std::vector<Column>& columns, std::string_view head, const 
   if (values.size() > 1) columns.push_back(std::move(ratios));
 }
 
-// As wide in every table of a scene, so that their columns stand under each other.
+// Of the same width in every table of a scene, so that the columns are aligned.
 Column name_column(const SceneFigures& scene, std::string_view head) {
   Column column{.head = fmt::format("{:<18}", head), .cells = {}, .left_aligned = true, .gap = "  "};
   for (const BuilderFigures& builder : scene.builders) column.cells.push_back({builder.name});
@@ -48,10 +48,10 @@ std::string verdict(const SceneFigures& scene) {
                      scene.builders.front().name);
 }
 
-// Eighths of a block make bars twelve characters long that tell a percent apart.
-std::string bar(double part) {
+// Eighths of a block let bars of twelve characters show differences of one percent.
+std::string bar(double fraction) {
   static constexpr std::string_view eighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
-  const auto filled = static_cast<std::size_t>(std::lround(8.0 * bar_width * std::clamp(part, 0.0, 1.0)));
+  const auto filled = static_cast<std::size_t>(std::lround(8.0 * bar_width * std::clamp(fraction, 0.0, 1.0)));
   std::string text;
   for (std::size_t i = 0; i < filled / 8; ++i) text += "█";
   return text + std::string(eighths[filled % 8]);

@@ -8,11 +8,11 @@
 
 namespace workbench {
 
-/// One scene: a table of its trees and one for each ray type, builders down, measures across. Beside each
-/// figure stands its ratio to that of the first builder.
+/// One scene: a table of its trees and one per ray type. Rows are builders, columns are measures. Each figure
+/// is followed by its ratio to that of the first builder.
 std::string format_comparison(const SceneFigures& scene, Emphasis emphasis);
 
-/// One scene over alpha: cost, references and speed, with a bar chart of each beside the figures.
+/// One scene over alpha: cost, references and speed, each with a bar chart beside the figures.
 std::string format_sweep(const SceneFigures& scene, Emphasis emphasis);
 
 }  // namespace workbench

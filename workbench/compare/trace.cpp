@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <limits>
-#include <numeric>
 
 #include "stages.hpp"
 #include "workbench/base/parallel.hpp"
@@ -12,17 +9,15 @@
 namespace workbench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-// Rays that a thread takes at once: four tiles of 8 by 8 pixels.
+// Rays per task: four tiles of 8 by 8 pixels.
 constexpr std::size_t grain = 256;
 
-// Into how many slices a set is cut for timing. At 200,000 rays and some million a second a slice takes less
-// than a millisecond, shorter than the spans for which a busy system lets a thread run: docs/decisions/0060
-// has the spread of results for other numbers.
+// With 200,000 rays, at some millions per second, a slice takes less than a millisecond. That is shorter than
+// the time slices in which a busy system schedules threads: docs/decisions/0060 has the spread for other
+// numbers.
 constexpr std::size_t slice_count = 128;
 
-// The hits end up in memory, so that no compiler may leave the tracing out.
+// The hits are written to memory, so that no compiler may leave the tracing out.
 void trace(const kerf::Bvh& bvh, const RaySet& set, std::size_t begin, std::size_t end,
            std::span<kerf::Hit> hits) {
   if (set.any_hit()) {
@@ -58,33 +53,14 @@ CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned thre
   return pass;
 }
 
-std::vector<double> time_interleaved(std::span<const kerf::Bvh> hierarchies, const RaySet& set,
+std::vector<double> time_hierarchies(std::span<const kerf::Bvh> hierarchies, const RaySet& set,
                                      const TimingOptions& options) {
-  using Slices = std::array<double, slice_count>;
-  Slices untimed;
-  untimed.fill(std::numeric_limits<double>::infinity());
-  std::vector<Slices> best(hierarchies.size(), untimed);
   std::vector<kerf::Hit> hits(set.rays.size());
-
-  double spent = 0.0;
-  for (unsigned round = 0; round < options.rounds || spent < options.seconds; ++round) {
-    const auto round_start = Clock::now();
-    for (std::size_t h = 0; h < hierarchies.size(); ++h) {
-      for (std::size_t slice = 0; slice < slice_count; ++slice) {
-        const std::size_t begin = set.rays.size() * slice / slice_count;
-        const std::size_t end = set.rays.size() * (slice + 1) / slice_count;
-        const auto start = Clock::now();
-        trace(hierarchies[h], set, begin, end, hits);
-        best[h][slice] =
-            std::min(best[h][slice], std::chrono::duration<double>(Clock::now() - start).count());
-      }
-    }
-    spent += std::chrono::duration<double>(Clock::now() - round_start).count();
+  std::vector<TraceRange> tracers;
+  for (const kerf::Bvh& bvh : hierarchies) {
+    tracers.push_back([&](std::size_t begin, std::size_t end) { trace(bvh, set, begin, end, hits); });
   }
-
-  std::vector<double> seconds;
-  for (const Slices& slices : best) seconds.push_back(std::accumulate(slices.begin(), slices.end(), 0.0));
-  return seconds;
+  return time_slices(tracers, set.rays.size(), slice_count, options);
 }
 
 }  // namespace workbench

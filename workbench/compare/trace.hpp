@@ -1,4 +1,4 @@
-// Tracing a set of rays: once to count, many times to time.
+// Tracing a set of rays through hierarchies: once to count, many times to measure the time.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,11 @@
 #include <kerf/bvh.hpp>
 
 #include "workbench/rays/rays.hpp"
+#include "workbench/rays/slice_timer.hpp"
 
 namespace workbench {
 
-/// What a counted pass over a set found. A hit of an any-hit ray keeps nothing but that it is one.
+/// What a counted pass over a set found. Of the hit of an any-hit ray only its existence is known.
 struct CountedPass {
   std::vector<kerf::Hit> hits;
   std::size_t hit_count = 0;
@@ -19,19 +20,12 @@ struct CountedPass {
   std::size_t triangle_tests = 0;
 };
 
+/// Traces `set` on `threads` threads, 0 for all there are, counting as it goes.
 CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned threads);
 
-struct TimingOptions {
-  unsigned rounds = 3;   ///< at least
-  double seconds = 1.0;  ///< go on until all passes together took this long
-};
-
-/// Seconds that each hierarchy takes for the set, ray by ray through the public calls, on one thread.
-///
-/// The hierarchies take turns, round after round. The set is cut into slices, and the time of a hierarchy is
-/// the sum of the best times of its slices: a disturbance of the machine must then hit the same slice in
-/// every round to show.
-std::vector<double> time_interleaved(std::span<const kerf::Bvh> hierarchies, const RaySet& set,
+/// The seconds that each hierarchy takes for the set, interleaved with the others (see `time_slices`): ray by
+/// ray through the public calls, on one thread.
+std::vector<double> time_hierarchies(std::span<const kerf::Bvh> hierarchies, const RaySet& set,
                                      const TimingOptions& options);
 
 }  // namespace workbench

@@ -1,6 +1,6 @@
-// Checks that the importer does not make, or reports in words that do not help (docs/decisions/0001 has what it did
-// with damaged files). Each function throws `kerf::Error` with one line that names the file, the place in it and
-// what is wrong.
+// Checks that the importer does not make, or reports in words that do not help (docs/decisions/0001 has what
+// it did with damaged files). Each function throws `kerf::Error` with one line that names the file, the place
+// in it and what is wrong.
 #pragma once
 
 #include <filesystem>

@@ -48,8 +48,6 @@ class HeaderReader {
   }
 
  private:
-  [[noreturn]] void fail(std::string_view what) const { raise(Error::bad_format, file_, "{}", what); }
-
   PlyEncoding parse_encoding(std::string_view word) const {
     if (word == "ascii") return PlyEncoding::ascii;
     if (word == "binary_little_endian") return PlyEncoding::little_endian;

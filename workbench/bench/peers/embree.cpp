@@ -18,7 +18,7 @@
 namespace workbench {
 namespace {
 
-// What the memory monitor was told.
+// The bytes that Embree reported to its memory monitor.
 struct Memory {
   std::atomic<std::ptrdiff_t> now{0};
   std::atomic<std::ptrdiff_t> peak{0};
@@ -79,7 +79,7 @@ struct Scene {
   Scene& operator=(const Scene&) = delete;
 };
 
-// The one difference between the versions that matters here: how a query is given its flags.
+// Embree 3 and 4 differ here in one point only: how a query is given its flags.
 #if KERF_EMBREE_MAJOR >= 4
 struct Query {
   RTCIntersectArguments intersect;
@@ -131,7 +131,7 @@ void occluded16(const int* valid, const Scene& scene, Query& query, RTCRay16& ra
 }
 #endif
 
-// Embree marks what it found occluded with this.
+// Embree sets tfar of an occluded ray to this.
 constexpr float occluded_t = -std::numeric_limits<float>::infinity();
 
 RTCRay to_embree(const kerf::Ray& ray) {
@@ -185,7 +185,7 @@ Tracer trace_single(std::shared_ptr<const Scene> scene, std::string engine, unsi
 
 constexpr std::size_t packet_width = 16;
 
-// The rays `begin ..` as a packet; lanes past `end` are off.
+// The rays from `begin` on as a packet. Lanes at or beyond `end` are switched off.
 void fill_packet(std::span<const kerf::Ray> rays, std::size_t begin, std::size_t end, int* valid,
                  RTCRay16& packet) {
   for (std::size_t k = 0; k < packet_width; ++k) {
@@ -206,8 +206,8 @@ void fill_packet(std::span<const kerf::Ray> rays, std::size_t begin, std::size_t
   }
 }
 
-// Rays that are to find the closest hit are declared coherent: camera rays are, and for others the flag only
-// moves the point where Embree goes on ray by ray.
+// All packets are declared coherent. Camera rays are; for others the flag only shifts the point from which
+// Embree continues ray by ray.
 Tracer trace_packets(std::shared_ptr<const Scene> scene, std::string engine, unsigned threads) {
   return {.engine = std::move(engine),
           .mode = "packet",

@@ -1,4 +1,4 @@
-// Intel Embree, the peer that kerf is measured beside. Optional: CMake finds it, or it is absent.
+// Intel Embree, the peer that kerf is compared with. It is optional.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace workbench {
 
-/// `embree-high` (spatial splits), `embree-high-robust` and `embree-medium` (object splits), each ray by ray;
-/// over the structure of the first also `embree-high-packet`, 16 rays at a time. None if Embree is absent.
-/// Each engine has a device of its own with `threads` threads.
+/// `embree-high` (spatial splits), `embree-high-robust` and `embree-medium` (object splits), which trace ray
+/// by ray, and `embree-high-packet`, which traces 16 rays at a time through the structure of the first. None
+/// if CMake did not find Embree. Each engine has a device of its own with `threads` threads.
 std::vector<Engine> embree_engines(unsigned threads);
 
 }  // namespace workbench

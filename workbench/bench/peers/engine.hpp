@@ -1,4 +1,4 @@
-// What the benchmark knows of an engine: how to build with it, and how to trace what it built.
+// An engine as the benchmark sees it: how to build with it, and how to trace what it built.
 #pragma once
 
 #include <cstddef>
@@ -22,10 +22,10 @@ struct Tracer {
   std::function<void(std::span<const kerf::Ray>, std::span<std::uint8_t>)> occluded;
 };
 
-/// Ready to trace. What it stands on lives as long as its tracers.
+/// A structure that is ready to trace. The tracers own what they refer to.
 struct Traceable {
   std::size_t bytes = 0;             ///< of the finished structure
-  std::size_t build_peak_bytes = 0;  ///< the most that the build held at once, the structure included
+  std::size_t build_peak_bytes = 0;  ///< the maximum that the build held at once, the structure included
   std::vector<Tracer> tracers;
 };
 
@@ -33,8 +33,8 @@ struct Engine {
   std::string name;
   std::string version;
 
-  /// From the caller's arrays to a structure ready to trace: this call is what is timed. 16 bytes may be read
-  /// from where the last vertex begins.
+  /// From the caller's arrays to a structure that is ready to trace. This call is timed. It may read 16 bytes
+  /// from the start of the last vertex.
   std::function<Traceable(const kerf::TriangleMesh&)> build;
 };
 

@@ -1,4 +1,4 @@
-// Denormals flushed to zero, for peers that want it.
+// Denormals flushed to zero, as Embree asks for.
 #pragma once
 
 #if defined(__SSE2__)
@@ -7,8 +7,8 @@
 
 namespace workbench {
 
-/// While there is one, in this thread. Embree's manual asks for that wherever Embree traces ("MXCSR control
-/// and status register").
+/// Flushes denormals to zero in this thread, as long as it lives. Embree's manual asks for that wherever
+/// Embree traces ("MXCSR control and status register").
 class FlushDenormals {
 #if defined(__SSE2__)
  public:

@@ -7,7 +7,7 @@
 
 namespace workbench {
 
-/// Traces ray by ray ("single") and by spans ("batch").
+/// Traces ray by ray (mode "single") and by spans ("batch").
 Engine kerf_engine(const kerf::BuildOptions& options, std::string version);
 
 }  // namespace workbench

@@ -1,4 +1,4 @@
-// Many rays, each on its own: the loop that engines without one are given.
+// The loop over many single rays, for engines that have none.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 namespace workbench {
 
-/// Calls `trace(begin, end)` for all of `count` rays: once with one thread, else in blocks, from several
-/// threads.
+/// Calls `trace(begin, end)` for all of `count` rays: once if `threads` is 1, else in blocks, on all threads
+/// that oneTBB may use.
 template <class Trace>
 void for_ray_blocks(unsigned threads, std::size_t count, const Trace& trace) {
-  // Four tiles of 8 by 8 pixels: some 20 microseconds, far more than it costs to hand out a task.
+  // Four tiles of 8 by 8 pixels take some 20 microseconds, far longer than it takes to start a task.
   constexpr std::size_t block = 256;
   if (threads == 1) return trace(std::size_t{0}, count);
   parallel_for_blocks(count, block, trace);
