@@ -2,8 +2,8 @@
 #pragma once
 
 #include <kerf/build.hpp>
+#include <kerf/counters.hpp>
 
-#include "traversal/rays/counters.hpp"
 #include "tree/binary_tree.hpp"
 #include "tree/geometry.hpp"
 

@@ -21,7 +21,7 @@ template <class... Values>
 
 // Throws for triangle `id` of `geometry`, in which something is wrong.
 [[noreturn]] void explain(const Geometry& geometry, std::uint32_t id) {
-  const auto [m, i] = geometry.locate(id);
+  const auto [i, m] = geometry.locate(id);
   const TriangleMesh& mesh = geometry.meshes()[m];
   for (const std::uint32_t index : mesh.triangles[i].values) {
     if (index >= mesh.vertices.size()) {

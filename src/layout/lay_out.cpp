@@ -49,7 +49,7 @@ std::uint32_t* ids_of(std::uint32_t* leaves, ChildLink leaf) {
 template <std::uint32_t count>
 void write_vertices(const Geometry& geometry, std::uint32_t* words) {
   for (std::uint32_t i = 0; i < count; ++i) {
-    const auto [mesh, primitive] = geometry.locate(words[(words_per_triangle - 1) * count + i]);
+    const auto [primitive, mesh] = geometry.locate(words[(words_per_triangle - 1) * count + i]);
     const TriangleMesh& m = geometry.meshes()[mesh];
     const auto corners = m.triangles[primitive];
     for (std::uint32_t corner = 0; corner < 3; ++corner) {
@@ -90,9 +90,9 @@ constexpr std::uint32_t large_bits = 13;
 
 // Numbers nodes and leaves depth first, so that a subtree lies together: sections are found in this order,
 // measured all at once, numbered, and written all at once.
-class Layout {
+class LayoutWriter {
  public:
-  Layout(const Geometry& geometry, const BinaryTree& tree)
+  LayoutWriter(const Geometry& geometry, const BinaryTree& tree)
       : geometry_(geometry), tree_(tree), target_(choose_target()), collapse_(tree, {}, target_) {
     find_sections(0, 0, 0, 1);
     parallel_for(sections_.size(), [&](std::size_t i) { measure(sections_[i]); });
@@ -293,7 +293,7 @@ class Layout {
 
 LaidOut make_wide_bvh(const Geometry& geometry, const BinaryTree& tree) {
   if (tree.empty()) return {};
-  return Layout(geometry, tree).write();
+  return LayoutWriter(geometry, tree).write();
 }
 
 std::size_t layout_memory_bound(std::size_t references) {

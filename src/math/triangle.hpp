@@ -1,14 +1,12 @@
-// A triangle by its corners.
+// The box of a triangle, and whether it has an area.
 #pragma once
+
+#include <kerf/triangle.hpp>
 
 #include "math/box3f.hpp"
 #include "math/predicates.hpp"
 
 namespace kerf {
-
-struct Triangle {
-  Vec3f v0, v1, v2;
-};
 
 inline Box3f bounds_of(const Triangle& t) {
   return {min(min(t.v0, t.v1), t.v2), max(max(t.v0, t.v1), t.v2)};

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <vector>
 
+#include <kerf/counters.hpp>
 #include <kerf/ray.hpp>
 
 #include "layout/wide_bvh.hpp"
 #include "traversal/lines/prepared_line.hpp"
 #include "traversal/points/near_triangle.hpp"
-#include "traversal/rays/counters.hpp"
 
 namespace kerf {
 

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <kerf/tree.hpp>
+
 #include "base/uninitialized.hpp"
 #include "math/box3f.hpp"
 
@@ -14,22 +16,6 @@ namespace kerf {
 /// halve 2^32 references; the surface-area heuristic has the others to itself (sponza's tree is 30 deep, a
 /// dragon's 34).
 inline constexpr std::uint32_t max_tree_depth = 96;
-
-//        0        children stand side by side: an inner node's right child
-//       / \       is its left child plus one; every child comes after its parent
-//      1   2
-//     / \ .
-//    3   4
-struct BinaryNode {
-  Box3f bounds;
-  std::uint32_t first = 0;  ///< inner: number of the left child; leaf: place of its first reference
-  std::uint32_t count = 0;  ///< inner: 0; leaf: its number of references
-
-  bool is_leaf() const { return count != 0; }
-  std::uint32_t left() const { return first; }
-  std::uint32_t right() const { return first + 1; }
-};
-static_assert(sizeof(BinaryNode) == 32);
 
 /// A binary bounding volume hierarchy. `nodes[0]` is the root; a tree of nothing has no nodes.
 struct BinaryTree {

@@ -1,7 +1,5 @@
 #include "tree/geometry.hpp"
 
-#include <algorithm>
-
 #include <kerf/error.hpp>
 
 namespace kerf {
@@ -18,10 +16,6 @@ Geometry::Geometry(std::span<const TriangleMesh> meshes) : meshes_(meshes) {
     }
     first_.push_back(static_cast<std::uint32_t>(count));
   }
-}
-
-std::uint32_t Geometry::mesh_of(std::uint32_t id) const {
-  return static_cast<std::uint32_t>(std::upper_bound(first_.begin(), first_.end(), id) - first_.begin() - 1);
 }
 
 }  // namespace kerf

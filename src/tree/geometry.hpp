@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <hwy/cache_control.h>
+#include <kerf/layout.hpp>
 #include <kerf/mesh.hpp>
 
 #include "math/triangle.hpp"
@@ -24,7 +25,7 @@ class Geometry {
 
   /// Triangle `id` of `0 .. triangle_count() - 1`; its indices must be in range.
   Triangle triangle(std::uint32_t id) const {
-    const auto [mesh, primitive] = locate(id);
+    const auto [primitive, mesh] = locate(id);
     return triangle_of(mesh, primitive);
   }
 
@@ -38,27 +39,19 @@ class Geometry {
   /// Triangles lie far apart in memory from each other, and their corners from them. Who will read some
   /// fetches their indices first, then, when these have come, their corners.
   void prefetch_indices(std::uint32_t id) const {
-    const auto [mesh, primitive] = locate(id);
+    const auto [primitive, mesh] = locate(id);
     const auto& triangles = meshes_[mesh].triangles;
     hwy::Prefetch(triangles.data() + primitive * triangles.stride());
   }
   void prefetch_corners(std::uint32_t id) const {
-    const auto [mesh, primitive] = locate(id);
+    const auto [primitive, mesh] = locate(id);
     const auto& vertices = meshes_[mesh].vertices;
     const auto indices = meshes_[mesh].triangles[primitive];
     for (const std::uint32_t index : indices.values)
       hwy::Prefetch(vertices.data() + index * vertices.stride());
   }
 
-  struct Location {
-    std::uint32_t mesh;
-    std::uint32_t primitive;
-  };
-  Location locate(std::uint32_t id) const {
-    std::uint32_t mesh = 0;
-    if (first_.size() > 2) mesh = mesh_of(id);
-    return {mesh, id - first_[mesh]};
-  }
+  PrimitiveId locate(std::uint32_t id) const { return kerf::locate(first_, id); }
 
   /// For mesh m, the number of its first triangle; one more entry ends the last mesh.
   std::span<const std::uint32_t> first_triangles() const { return first_; }
@@ -68,7 +61,6 @@ class Geometry {
     const auto [x, y, z] = vertices[i].values;
     return {x, y, z};
   }
-  std::uint32_t mesh_of(std::uint32_t id) const;
 
   std::span<const TriangleMesh> meshes_;
   std::vector<std::uint32_t> first_;

@@ -3,10 +3,10 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <kerf/counters.hpp>
 
 #include "layout/wide_bvh.hpp"
 #include "traversal/dispatch.hpp"
-#include "traversal/rays/counters.hpp"
 #include "tree/binary_tree.hpp"
 
 namespace kerf {

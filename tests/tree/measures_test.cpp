@@ -147,9 +147,9 @@ TEST(Metrics, CountsAddUp) {
 
 TEST(Metrics, OfAnEmptyTreeAreZero) {
   const TriangleMesh mesh;
-  EXPECT_EQ(surface_area_cost({}), 0.0);
+  EXPECT_EQ(surface_area_cost(BinaryTree{}), 0.0);
   EXPECT_EQ(end_point_overlap({}, Geometry({&mesh, 1})), 0.0);
-  EXPECT_EQ(leaf_count_variability({}), 0.0);
+  EXPECT_EQ(leaf_count_variability(BinaryTree{}), 0.0);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ namespace HWY_NAMESPACE {
 // As `chop` in math/clip.hpp, whose comments explain it; but the three edges are treated alike, without a
 // branch.
 HWY_NOINLINE ChildBoxes chop(const Geometry& geometry, const Reference& reference, int axis, float plane) {
-  const auto [mesh, primitive] = geometry.locate(reference.primitive);
+  const auto [primitive, mesh] = geometry.locate(reference.primitive);
   const TriangleMesh& m = geometry.meshes()[mesh];
   const auto [i0, i1, i2] = m.triangles[primitive].values;
   const Float4 corners[3] = {load_corner(m.vertices, i0), load_corner(m.vertices, i1),

@@ -1,27 +1,12 @@
 // How good a tree is: what it holds, and what a ray can be expected to do in it.
 #pragma once
 
-#include <cstddef>
-#include <vector>
+#include <kerf/inspect.hpp>
 
 #include "tree/binary_tree.hpp"
 #include "tree/geometry.hpp"
 
 namespace kerf {
-
-/// The costs of visiting an inner node (two box tests) and of testing a triangle, of Aila, Karras & Laine
-/// 2013
-/// ("On Quality Metrics of Bounding Volume Hierarchies", section 2).
-inline constexpr double inner_node_cost = 1.2;
-inline constexpr double triangle_cost = 1.0;
-
-struct TreeCounts {
-  std::size_t references = 0;
-  std::size_t nodes = 0;  ///< inner nodes and leaves
-  std::size_t leaves = 0;
-  std::size_t depth = 0;                ///< of the deepest leaf; 0 where the root is a leaf
-  std::vector<std::size_t> leaf_sizes;  ///< leaf_sizes[k] leaves have k references
-};
 
 TreeCounts count_tree(const BinaryTree& tree);
 

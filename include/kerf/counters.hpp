@@ -5,6 +5,7 @@
 
 namespace kerf {
 
+/// Sums over the rays that were counted into it.
 struct TraversalCounters {
   std::uint64_t steps = 0;           ///< inner nodes visited
   std::uint64_t leaves = 0;          ///< leaves visited

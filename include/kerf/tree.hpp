@@ -1,0 +1,63 @@
+// The binary tree that a builder makes, before it becomes the structure that is traced.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include <kerf/export.hpp>
+#include <kerf/query.hpp>
+#include <kerf/triangle.hpp>
+#include <kerf/vec.hpp>
+
+namespace kerf {
+
+/// A node of a binary tree. Node 0 is the root.
+///
+///        0        Children stand side by side: an inner node's right child
+///       / \       is its left child plus one. Every child comes after its parent.
+///      1   2
+///     / \ .
+///    3   4
+struct BinaryNode {
+  Box3f bounds;
+  std::uint32_t first = 0;  ///< inner node: number of the left child; leaf: place of its first reference
+  std::uint32_t count = 0;  ///< inner node: 0; leaf: its number of references
+
+  bool is_leaf() const { return count != 0; }
+  std::uint32_t left() const { return first; }
+  std::uint32_t right() const { return first + 1; }
+};
+static_assert(sizeof(BinaryNode) == 32);
+
+/// A binary bounding volume hierarchy over meshes, as `build_tree` returns it. A handle: copies share one
+/// tree, which never changes. The meshes must stay in memory as they are while the tree is used.
+class KERF_API Tree {
+ public:
+  /// A tree of nothing, without nodes.
+  Tree() noexcept = default;
+
+  std::span<const BinaryNode> nodes() const;
+
+  /// The triangles of the leaves, leaf after leaf, by their number counted over all meshes.
+  std::span<const std::uint32_t> references() const;
+
+  std::size_t triangles() const;             ///< in the meshes given
+  std::size_t degenerate_triangles() const;  ///< of these, left out because they have no area
+
+  /// The triangle with number `id`: its place in the meshes, and its vertices.
+  PrimitiveId locate(std::uint32_t id) const;
+  Triangle triangle(std::uint32_t id) const;
+
+  struct Content;  ///< private to the library
+
+ private:
+  friend struct Content;
+  explicit Tree(std::shared_ptr<const Content> content) : content_(std::move(content)) {}
+
+  std::shared_ptr<const Content> content_;
+};
+
+}  // namespace kerf

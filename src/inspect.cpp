@@ -1,0 +1,142 @@
+#include <utility>
+
+#include <kerf/inspect.hpp>
+
+#include "base/fp_environment.hpp"
+#include "base/out_of_memory.hpp"
+#include "construction/construct.hpp"
+#include "stages.hpp"
+#include "structure.hpp"
+#include "traversal/dispatch.hpp"
+#include "tree/measures/measures.hpp"
+
+namespace kerf {
+
+struct Tree::Content {
+  std::vector<TriangleMesh> meshes;
+  Geometry geometry{meshes};
+  BinaryTree tree;
+
+  Content(std::span<const TriangleMesh> given, const BuildOptions& options)
+      : meshes(given.begin(), given.end()), tree(build_tree(geometry, options)) {}
+
+  static Tree share(std::shared_ptr<const Content> content) { return Tree(std::move(content)); }
+
+  // Of a tree of nothing as well.
+  static const Content& of(const Tree& tree) {
+    static const Content nothing{{}, {}};
+    return tree.content_ ? *tree.content_ : nothing;
+  }
+};
+
+namespace {
+
+// Calls `measure(tree, geometry)`.
+template <class Measure>
+auto measured(const Tree& tree, const Measure& measure) {
+  const PlainFloatingPoint plain;
+  return report_out_of_memory([&] {
+    const auto& content = Tree::Content::of(tree);
+    return measure(content.tree, content.geometry);
+  });
+}
+
+}  // namespace
+
+std::span<const BinaryNode> Tree::nodes() const {
+  return Content::of(*this).tree.nodes;
+}
+std::span<const std::uint32_t> Tree::references() const {
+  return Content::of(*this).tree.references;
+}
+std::size_t Tree::triangles() const {
+  return Content::of(*this).geometry.triangle_count();
+}
+std::size_t Tree::degenerate_triangles() const {
+  return Content::of(*this).tree.degenerate_triangles;
+}
+PrimitiveId Tree::locate(std::uint32_t id) const {
+  return Content::of(*this).geometry.locate(id);
+}
+Triangle Tree::triangle(std::uint32_t id) const {
+  return Content::of(*this).geometry.triangle(id);
+}
+
+Tree build_tree(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
+  const PlainFloatingPoint plain;
+  return report_out_of_memory(
+      [&] { return Tree::Content::share(std::make_shared<const Tree::Content>(meshes, options)); });
+}
+
+Tree build_tree(const TriangleMesh& mesh, const BuildOptions& options) {
+  return build_tree(std::span<const TriangleMesh>(&mesh, 1), options);
+}
+
+Bvh make_bvh(const Tree& tree, unsigned threads) {
+  return measured(tree, [&](const BinaryTree& binary, const Geometry& geometry) {
+    return make_bvh(geometry, binary, threads);
+  });
+}
+
+TreeCounts count_tree(const Tree& tree) {
+  return measured(tree, [](const BinaryTree& binary, const Geometry&) { return count_tree(binary); });
+}
+double surface_area_cost(const Tree& tree) {
+  return measured(tree, [](const BinaryTree& binary, const Geometry&) { return surface_area_cost(binary); });
+}
+double end_point_overlap(const Tree& tree) {
+  return measured(tree, [](const BinaryTree& binary, const Geometry& geometry) {
+    return end_point_overlap(binary, geometry);
+  });
+}
+double leaf_count_variability(const Tree& tree) {
+  return measured(tree,
+                  [](const BinaryTree& binary, const Geometry&) { return leaf_count_variability(binary); });
+}
+
+Layout layout(const Bvh& bvh) {
+  const Bvh::Structure& structure = bvh.structure();
+  return {.nodes = structure.wide.nodes,
+          .leaves = structure.wide.leaves,
+          .bounds = structure.wide.bounds,
+          .largest_coordinate = structure.wide.largest_coordinate,
+          .depth = structure.wide.depth,
+          .first_triangles = structure.first_triangles};
+}
+
+std::optional<Hit> intersect(const Bvh& bvh, const Ray& ray, TraversalCounters& counters) {
+  return intersect_counted(bvh, ray, counters);
+}
+
+bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounters& counters) {
+  return occluded_counted(bvh, ray, counters);
+}
+
+std::string_view instruction_set() {
+  return choose_kernels().target;
+}
+
+std::string_view instruction_set(const Bvh& bvh) {
+  const Kernels* const kernels = bvh.structure().kernels;
+  return kernels == nullptr ? std::string_view() : kernels->target;
+}
+
+std::uint64_t repeat_node_steps(const Bvh& bvh, const Ray& ray, std::size_t count) {
+  const Bvh::Structure& structure = bvh.structure();
+  return structure.kernels->repeat_node_steps(structure.wide, ray, count);
+}
+
+std::uint64_t repeat_leaf_tests(const Bvh& bvh, const Ray& ray, ChildLink leaf, std::size_t count) {
+  const Bvh::Structure& structure = bvh.structure();
+  return structure.kernels->repeat_leaf_tests(structure.wide, ray, leaf, count);
+}
+
+Bvh join_meshes(const Bvh& bvh) {
+  return report_out_of_memory([&] {
+    auto joined = std::make_shared<Bvh::Structure>(bvh.structure());
+    joined->first_triangles = {0, static_cast<std::uint32_t>(joined->statistics.triangles)};
+    return Bvh(std::move(joined));
+  });
+}
+
+}  // namespace kerf
