@@ -14,6 +14,7 @@
 #include "stages.hpp"
 #include "structure.hpp"
 #include "traversal/dispatch.hpp"
+#include "traversal/rays/batch.hpp"
 
 namespace kerf {
 namespace {
@@ -40,10 +41,10 @@ std::optional<Hit> named(const Bvh::Structure& structure, Hit hit) {
 }
 
 template <class Trace>
-void for_parts(std::size_t count, Trace&& trace) {
-  parallel_for_ranges(std::size_t{0}, count, rays_a_part, [&](const auto& range) {
-    for (std::size_t begin = range.begin(); begin < range.end(); begin += rays_a_part) {
-      trace(begin, std::min(rays_a_part, range.end() - begin));
+void for_batches(std::size_t count, Trace&& trace) {
+  parallel_for_ranges(std::size_t{0}, count, rays_per_batch, [&](const auto& range) {
+    for (std::size_t begin = range.begin(); begin < range.end(); begin += rays_per_batch) {
+      trace(begin, std::min(rays_per_batch, range.end() - begin));
     }
   });
 }
@@ -81,7 +82,7 @@ void Bvh::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
     std::fill(hits.begin(), hits.end(), Hit{});
     return;
   }
-  for_parts(rays.size(), [&](std::size_t begin, std::size_t count) {
+  for_batches(rays.size(), [&](std::size_t begin, std::size_t count) {
     structure_->kernels->closest_many(structure_->wide, rays.data() + begin, count, hits.data() + begin);
     for (Hit& hit : hits.subspan(begin, count)) hit = named(*structure_, hit).value_or(Hit{});
   });
@@ -95,7 +96,7 @@ void Bvh::occluded(std::span<const Ray> rays, std::span<std::uint8_t> results) c
     std::fill(results.begin(), results.end(), std::uint8_t{0});
     return;
   }
-  for_parts(rays.size(), [&](std::size_t begin, std::size_t count) {
+  for_batches(rays.size(), [&](std::size_t begin, std::size_t count) {
     structure_->kernels->any_many(structure_->wide, rays.data() + begin, count, results.data() + begin);
   });
 }

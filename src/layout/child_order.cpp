@@ -7,8 +7,8 @@
 
 namespace kerf {
 
-// How full a leaf's box is makes little difference to the order (0.3 takes as few steps as the triangles'
-// areas do).
+// The probability of a hit in a leaf hardly changes the order: 0.3 takes as few steps as an estimate by the
+// areas of triangles.
 Prospect prospect_of_leaf(std::uint32_t triangles) {
   constexpr CollapseCosts costs;
   return {0.3f, costs.leaf + costs.triangle * static_cast<float>(triangles)};
@@ -17,7 +17,7 @@ Prospect prospect_of_leaf(std::uint32_t triangles) {
 Prospect arrange(Target target, const BinaryTree& tree, const Collapse::Children& children,
                  const std::array<Prospect, wide_node_children>& prospects, WideNode& node) {
   const std::uint32_t count = children.count;
-  // A child's slot is the number of those before it. Compilers make vectors of loops over all slots.
+  // The slot of a child is the number of children before it. Compilers vectorise loops over all slots.
   std::array<float, wide_node_children> value;
   std::array<std::uint32_t, wide_node_children> slots{}, from;
   value.fill(std::numeric_limits<float>::infinity());
@@ -45,8 +45,7 @@ Prospect arrange(Target target, const BinaryTree& tree, const Collapse::Children
   float miss = 1.0f, steps = 1.0f;
   for (std::uint32_t slot = 0; slot < count; ++slot) {
     const Prospect& below = prospects[from[slot]];
-    const float entered =
-        std::min(1.0f, half_area(binaries[slot]->bounds) / area);  // 1 where that has no value
+    const float entered = std::min(1.0f, half_area(binaries[slot]->bounds) / area);  // 1 for NaN
     miss *= 1.0f - entered * below.hit;
     steps += entered * below.steps;
   }

@@ -1,4 +1,4 @@
-// The order in which a ray that looks for any hit takes the children of a node.
+// The order in which any-hit traversal visits the children of a node.
 #pragma once
 
 #include <array>
@@ -10,19 +10,18 @@
 
 namespace kerf {
 
-/// What such a ray may expect of a subtree whose box it enters.
+/// What any-hit traversal may expect of a subtree whose box the ray enters.
 struct Prospect {
-  float hit;    ///< how likely it finds one
-  float steps;  ///< what it costs to look through all of it
+  float hit;    ///< the probability of a hit
+  float steps;  ///< the cost of searching all of it
 };
 
 Prospect prospect_of_leaf(std::uint32_t triangles);
 
-/// Puts the children of a node into the order in which any-hit traversal takes them, the first into the last
-/// slot: that with the most chance of a hit for its cost, which is the best order there is if neither tells
-/// anything of the others (as for shadow rays in Ize & Hansen 2011, "RTSAH Traversal Order for Occlusion
-/// Rays"). Their links stand in the tree's order. Then writes what `write_children` does, and returns the
-/// prospect of the node.
+/// Puts the children of a node, whose links are in the tree's order, into the order in which any-hit
+/// traversal visits them, the first one in the last slot: by the probability of a hit per cost. That order is
+/// optimal if the children are independent (as for shadow rays in Ize & Hansen 2011, "RTSAH Traversal Order
+/// for Occlusion Rays"). Then writes what `write_children` does, and returns the prospect of the node.
 Prospect arrange(Target target, const BinaryTree& tree, const Collapse::Children& children,
                  const std::array<Prospect, wide_node_children>& prospects, WideNode& node);
 

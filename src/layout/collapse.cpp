@@ -20,8 +20,8 @@ namespace {
 constexpr std::uint32_t slots = Collapse::slots;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// D(n, i) and the k that gives it, the lowest of several, for all i = 1 .. 16 at once and k up to `most`:
-// element i - 1 takes C(left, k) + C(right, i - k). D(n, 1) is infinite.
+// D(n, i) and the k that gives it (of several, the lowest) for all i = 1 .. 16 at once, with k up to
+// `max_share`: element i - 1 is the minimum of C(left, k) + C(right, i - k). D(n, 1) is infinite.
 struct Distribution {
   alignas(64) float cost[slots];
   alignas(64) std::int32_t left_share[slots];
@@ -39,7 +39,7 @@ namespace {
 #if KERF_FLOAT_LANES == 16
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Lane i - 1 of the k-th takes lane i - k - 1, or, where there is none, the last, which is made infinite.
+// Lane i - 1 of the k-th takes lane i - k - 1. Where there is none it takes the last, which is made infinite.
 struct Lanes {
   alignas(64) std::int32_t of[slots - 1][slots];
 };
@@ -52,31 +52,31 @@ constexpr Lanes lanes = [] {
   return table;
 }();
 
-void distribute(const float* left, std::int32_t most, const float* right, Distribution& to) {
+void distribute(const float* left, std::int32_t max_share, const float* right, Distribution& to) {
   constexpr hn::FixedTag<float, slots> floats;
   constexpr hn::FixedTag<std::int32_t, slots> ints;
   const auto none = hn::Set(floats, infinity);
   const auto costs = hn::IfThenElse(hn::FirstN(floats, slots - 1), hn::LoadU(floats, right), none);
-  auto least = none;
+  auto best = none;
   auto share = hn::Set(ints, 1);
-  for (std::int32_t k = 1; k <= most; ++k) {
+  for (std::int32_t k = 1; k <= max_share; ++k) {
     const auto shifted = hn::TableLookupLanes(costs, hn::SetTableIndices(floats, lanes.of[k - 1]));
     const auto sum = hn::Add(hn::Set(floats, left[k - 1]), shifted);
-    const auto better = hn::Lt(sum, least);
-    least = hn::IfThenElse(better, sum, least);
+    const auto better = hn::Lt(sum, best);
+    best = hn::IfThenElse(better, sum, best);
     share = hn::IfThenElse(hn::RebindMask(ints, better), hn::Set(ints, k), share);
   }
-  hn::Store(least, floats, to.cost);
+  hn::Store(best, floats, to.cost);
   hn::Store(share, ints, to.left_share);
 }
 #else
-void distribute(const float* left, std::int32_t most, const float* right, Distribution& to) {
-  float shifted[2 * slots];  // from slots - k on, it begins with k that are infinite
+void distribute(const float* left, std::int32_t max_share, const float* right, Distribution& to) {
+  float shifted[2 * slots];  // what begins at slots - k begins with k infinite costs
   std::fill_n(shifted, slots, infinity);
   std::copy_n(right, slots, shifted + slots);
   std::fill_n(to.cost, slots, infinity);
   std::fill_n(to.left_share, slots, 1);
-  for (std::int32_t k = 1; k <= most; ++k) {
+  for (std::int32_t k = 1; k <= max_share; ++k) {
     for (std::uint32_t i = 0; i < slots; ++i) {
       const float sum = left[k - 1] + shifted[slots - static_cast<std::uint32_t>(k) + i];
       const bool better = sum < to.cost[i];
@@ -98,13 +98,11 @@ namespace {
 
 HWY_EXPORT(distribute);
 
-constexpr std::uint32_t max_leaf_references = 8;
+// Both halves of a subtree with more nodes than this are solved in parallel.
+constexpr std::uint32_t max_serial_nodes = 4096;
 
-// Both halves of a subtree with more nodes than this are solved at once.
-constexpr std::uint32_t task_nodes = 4096;
-
-// The same where one subtree is a leaf, which costs no less with more slots: it takes one, the other the
-// rest.
+// The same where one subtree is a leaf. A leaf costs the same in any number of slots: it takes one, the other
+// subtree takes the rest.
 void distribute_beside_leaf(float leaf, const float* other, bool leaf_is_left, Distribution& to) {
   to.cost[0] = infinity;
   for (std::uint32_t i = 2; i <= slots; ++i) {
@@ -113,7 +111,7 @@ void distribute_beside_leaf(float leaf, const float* other, bool leaf_is_left, D
   }
 }
 
-// Where the k of D(n, i) stands in a node's word, and which bits it has.
+// Position and mask of the k of D(n, i) in a node's word.
 constexpr std::uint32_t share_shift(std::uint32_t i) {
   std::uint32_t shift = 0;
   for (std::uint32_t below = 2; below < i; ++below)
@@ -139,11 +137,11 @@ std::uint64_t share_bits(std::uint32_t i, std::int32_t share) {
 
 }  // namespace
 
-// C(n, i) for i = 1 .. 15, and what a parent needs to know beside.
+// C(n, i) for i = 1 .. 15, and what else a parent needs to know.
 struct Collapse::Costs {
   float of[slots];  // the last is not used
   std::uint32_t references;
-  std::uint32_t leaves;  // of the binary tree: more slots are of no use
+  std::uint32_t leaves;  // of the binary tree: no more slots can be used
 };
 
 Collapse::Collapse(const BinaryTree& tree, const CollapseCosts& costs, Target target)
@@ -155,18 +153,18 @@ Collapse::Collapse(const BinaryTree& tree, const CollapseCosts& costs, Target ta
 
 std::uint64_t Collapse::size_bits(std::uint32_t references) {
   return static_cast<std::uint64_t>(std::bit_width(references)) << size_shift |
-         std::uint64_t{std::min(references, max_leaf_references + 1)} << few_shift;
+         std::uint64_t{std::min(references, wide_leaf_triangles + 1)} << few_shift;
 }
 
-// Builders number what is below a left child first, then what is below the right one, up to `end`. That only
-// says how much there is to do.
+// Builders number the nodes below a left child first, then those below the right one, up to `end`. This is
+// used to estimate how much work there is.
 void Collapse::solve(std::uint32_t node, std::uint32_t end, Costs& costs) {
   const BinaryNode& binary = tree_->nodes[node];
   if (binary.is_leaf()) return solve_leaf(node, costs);
   const BinaryNode& right_node = tree_->nodes[binary.right()];
   const std::uint32_t middle = right_node.is_leaf() ? end : right_node.first;
   Costs left, right;
-  if (end > binary.first + task_nodes) {
+  if (end > binary.first + max_serial_nodes) {
     parallel_invoke([&] { solve(binary.left(), middle, left); }, [&] { solve(binary.right(), end, right); });
   } else {
     solve(binary.left(), middle, left);
@@ -185,7 +183,7 @@ void Collapse::solve_leaf(std::uint32_t node, Costs& costs) {
   decisions_[node] = leaf_bit | size_bits(binary.count);
 }
 
-// Written so that areas beyond the range of a float, all of whose sums are infinite, still give a valid tree.
+// Areas beyond the range of a float, whose sums are all infinite, still give a valid tree.
 void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right, Costs& costs) {
   Distribution best;
   if (left.leaves == 1) {
@@ -193,36 +191,36 @@ void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right
   } else if (right.leaves == 1) {
     distribute_beside_leaf(right.of[0], left.of, false, best);
   } else {
-    const auto most = static_cast<std::int32_t>(std::min(slots - 1, left.leaves));
-    KERF_DISPATCH(distribute, target_)(left.of, most, right.of, best);
+    const auto max_share = static_cast<std::int32_t>(std::min(slots - 1, left.leaves));
+    KERF_DISPATCH(distribute, target_)(left.of, max_share, right.of, best);
   }
   const float area = half_area(tree_->nodes[node].bounds);
   costs.references = left.references + right.references;
   costs.leaves = left.leaves + right.leaves;
   std::uint64_t decision = size_bits(costs.references);
-  float least = area + best.cost[slots - 1];
-  if (costs.references <= max_leaf_references) {
+  float min_cost = area + best.cost[slots - 1];
+  if (costs.references <= wide_leaf_triangles) {
     const float leaf = area * (costs_.leaf + costs_.triangle * static_cast<float>(costs.references));
-    if (leaf <= least) {
-      least = leaf;
+    if (leaf <= min_cost) {
+      min_cost = leaf;
       decision |= leaf_bit;
     }
   }
-  costs.of[0] = least;
-  const std::uint32_t most = std::min(slots - 1, costs.leaves);
-  for (std::uint32_t i = 2; i <= most; ++i) {
-    const bool divides = best.cost[i - 1] < least;
-    least = divides ? best.cost[i - 1] : least;
-    costs.of[i - 1] = least;
+  costs.of[0] = min_cost;
+  const std::uint32_t max_slots = std::min(slots - 1, costs.leaves);
+  for (std::uint32_t i = 2; i <= max_slots; ++i) {
+    const bool divides = best.cost[i - 1] < min_cost;
+    min_cost = divides ? best.cost[i - 1] : min_cost;
+    costs.of[i - 1] = min_cost;
     decision |= share_bits(i, divides ? best.left_share[i - 1] : 0);
   }
-  std::fill(costs.of + most, costs.of + slots, least);
+  std::fill(costs.of + max_slots, costs.of + slots, min_cost);
   decision |= share_bits(slots, best.left_share[slots - 1]);
   decisions_[node] = decision;
 }
 
 void Collapse::expand(std::uint32_t node, std::uint32_t i, Children& children) const {
-  while (i > 1) {  // a node with one slot need not be looked at
+  while (i > 1) {  // with one slot there is nothing to decide
     const auto left_share = static_cast<std::uint32_t>(decisions_[node] >> shares.shift[i]) & shares.mask[i];
     if (left_share == 0) {
       --i;

@@ -15,7 +15,10 @@
 namespace kerf {
 namespace {
 
-// Writes the triangles below a binary node and returns what is behind the last.
+static_assert(ChildLink::leaf(0, wide_leaf_triangles).count() == wide_leaf_triangles &&
+              ChildLink::leaf(ChildLink::max_place, 1).first() == ChildLink::max_place);
+
+// Writes the triangles below a binary node and returns the end of them.
 std::uint32_t* gather(const BinaryTree& tree, std::uint32_t node, std::uint32_t* to) {
   const BinaryNode& binary = tree.nodes[node];
   if (!binary.is_leaf()) return gather(tree, binary.right(), gather(tree, binary.left(), to));
@@ -23,29 +26,28 @@ std::uint32_t* gather(const BinaryTree& tree, std::uint32_t node, std::uint32_t*
   return to + binary.count;
 }
 
-// The different triangles below a binary node that has at most eight references.
+// The triangles below a binary node with at most as many references as a leaf has triangles.
 struct LeafTriangles {
   std::array<std::uint32_t, wide_leaf_triangles> ids;
   std::uint32_t count = 0;
 };
 
-LeafTriangles different_triangles(const BinaryTree& tree, std::uint32_t node) {
-  LeafTriangles all, different;
+LeafTriangles distinct_triangles(const BinaryTree& tree, std::uint32_t node) {
+  LeafTriangles all, distinct;
   all.count = static_cast<std::uint32_t>(gather(tree, node, all.ids.data()) - all.ids.data());
   for (std::uint32_t i = 0; i < all.count; ++i) {
-    const auto end = different.ids.begin() + different.count;
-    if (std::find(different.ids.begin(), end, all.ids[i]) == end)
-      different.ids[different.count++] = all.ids[i];
+    const auto end = distinct.ids.begin() + distinct.count;
+    if (std::find(distinct.ids.begin(), end, all.ids[i]) == end) distinct.ids[distinct.count++] = all.ids[i];
   }
-  return different;
+  return distinct;
 }
 
-// Where a leaf's row of triangle numbers stands.
+// The row of triangle numbers of a leaf.
 std::uint32_t* ids_of(std::uint32_t* leaves, ChildLink leaf) {
   return leaves + words_per_triangle * leaf.first() + (words_per_triangle - 1) * leaf.count();
 }
 
-// The vertices of a leaf of `count` triangles whose numbers are written.
+// Writes the vertices of a leaf of `count` triangles whose numbers have been written.
 template <std::uint32_t count>
 void write_vertices(const Geometry& geometry, std::uint32_t* words) {
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -68,28 +70,28 @@ void write_vertices(const Geometry& geometry, ChildLink leaf, std::uint32_t* lea
   of_count[leaf.count() - 1](geometry, leaves + words_per_triangle * leaf.first());
 }
 
-// How many nodes and triangles there are, or the numbers of the first.
+// How many nodes and triangles there are, or how many come before.
 struct Extent {
   std::size_t nodes = 0, triangles = 0;
 };
 
-// A wide node near the root, or all that is below one further down, which one task lays out.
+// A single wide node near the root, or a whole subtree further down. One task lays out a section.
 struct Section {
   std::uint32_t binary;
   std::uint32_t parent, slot;  // section and slot of the node above
-  std::uint32_t depth;         // of its root; that of the tree's is 1
+  std::uint32_t depth;         // of its root; the root of the tree has 1
   bool is_subtree;
   Extent size, first;
-  std::uint32_t deepest;
-  std::array<Prospect, wide_node_children> below;  // of the children, where this is one node
+  std::uint32_t max_depth;
+  std::array<Prospect, wide_node_children> below;  // of the children, if this is a single node
   Prospect prospect;
 };
 
 // A subtree of fewer than 2^(bits - 1) references is one section.
 constexpr std::uint32_t large_bits = 13;
 
-// Numbers nodes and leaves depth first, so that a subtree lies together: sections are found in this order,
-// measured all at once, numbered, and written all at once.
+// Numbers nodes and leaves depth first, so that a subtree is contiguous: sections are found in this order,
+// measured in parallel, numbered, and written in parallel.
 class LayoutWriter {
  public:
   LayoutWriter(const Geometry& geometry, const BinaryTree& tree)
@@ -100,7 +102,7 @@ class LayoutWriter {
       section.first = total_;
       total_.nodes += section.size.nodes;
       total_.triangles += section.size.triangles;
-      depth_ = std::max(depth_, section.deepest);
+      depth_ = std::max(depth_, section.max_depth);
     }
     if (total_.triangles > ChildLink::max_place) {
       throw Error(Error::too_large,
@@ -139,8 +141,8 @@ class LayoutWriter {
   }
 
  private:
-  // Where distances overflow, a ray may meet even the box of an unused slot, whose link therefore is that of
-  // a leaf, exactly as it is: what is found there is a hit like any other. This is the leaf at place 0.
+  // The leaf at place 0, which unused slots link to. Where distances overflow, a ray may meet even the empty
+  // box of an unused slot. It then tests a leaf of the hierarchy, and what it finds is a hit like any other.
   ChildLink first_leaf() const {
     const auto section = std::find_if(sections_.begin(), sections_.end(),
                                       [](const Section& s) { return s.size.triangles != 0; });
@@ -154,26 +156,26 @@ class LayoutWriter {
   }
 
   void find_sections(std::uint32_t binary, std::uint32_t parent, std::uint32_t slot, std::uint32_t depth) {
-    const auto number = static_cast<std::uint32_t>(sections_.size());
+    const auto index = static_cast<std::uint32_t>(sections_.size());
     const bool is_subtree = !collapse_.is_large(binary, large_bits);
     sections_.push_back({binary, parent, slot, depth, is_subtree, {}, {}, depth, {}, {}});
     if (is_subtree) return;
     const Collapse::Children children = collapse_.children(binary);
     for (std::uint32_t child = 0; child < children.count; ++child) {
       if (!collapse_.is_leaf(children.node[child]))
-        find_sections(children.node[child], number, child, depth + 1);
+        find_sections(children.node[child], index, child, depth + 1);
     }
   }
 
   bool may_repeat() const { return tree_.least_divided <= wide_leaf_triangles; }
 
   std::uint32_t count_triangles(std::uint32_t leaf) const {
-    return may_repeat() ? different_triangles(tree_, leaf).count : collapse_.few_references(leaf);
+    return may_repeat() ? distinct_triangles(tree_, leaf).count : collapse_.few_references(leaf);
   }
 
   void write_triangles(std::uint32_t leaf, std::uint32_t* to) const {
     if (may_repeat()) {
-      const LeafTriangles triangles = different_triangles(tree_, leaf);
+      const LeafTriangles triangles = distinct_triangles(tree_, leaf);
       std::copy_n(triangles.ids.begin(), triangles.count, to);
     } else {
       gather(tree_, leaf, to);
@@ -184,7 +186,7 @@ class LayoutWriter {
 
   void measure(std::uint32_t binary, std::uint32_t depth, Section& section) const {
     ++section.size.nodes;
-    section.deepest = std::max(section.deepest, depth);
+    section.max_depth = std::max(section.max_depth, depth);
     const Collapse::Children children = collapse_.children(binary);
     for (std::uint32_t i = 0; i < children.count; ++i) collapse_.prefetch(children.node[i]);
     for (std::uint32_t i = 0; i < children.count; ++i) {
@@ -222,8 +224,8 @@ class LayoutWriter {
     return arrange(target_, tree_, children, below, node);
   }
 
-  // The children's links in the tree's order, and which triangles are in the leaves; what of the other
-  // children depends on them comes later.
+  // Writes the links to the children, in the tree's order, and the triangle numbers of the leaves among them.
+  // Children that are nodes are numbered later.
   Collapse::Children write_node(std::uint32_t binary, std::array<Prospect, wide_node_children>& below,
                                 Extent& next) const {
     WideNode& node = nodes_[next.nodes++];
@@ -244,7 +246,7 @@ class LayoutWriter {
     return children;
   }
 
-  // Calls `visit` with the leaves of a node. Behind its children stand slots with empty boxes.
+  // Calls `visit` with the leaves of a node. The first slot with an empty box ends its children.
   template <class Visit>
   void for_leaves(const WideNode& node, const Visit& visit) const {
     const auto& [lower, upper] = node.planes[0];
@@ -253,7 +255,8 @@ class LayoutWriter {
     }
   }
 
-  // Triangles lie far apart in memory, and their corners from them: both are fetched some nodes ahead.
+  // Triangles are scattered in memory, and so are their corners: both are prefetched, one and two nodes
+  // ahead.
   void write_leaves(std::size_t begin, std::size_t end) const {
     for (std::size_t i = begin; i < end + 2; ++i) {
       if (i < end) {
@@ -297,9 +300,10 @@ LaidOut make_wide_bvh(const Geometry& geometry, const BinaryTree& tree) {
 }
 
 std::size_t layout_memory_bound(std::size_t references) {
-  // A subtree of up to eight references is always cheapest as a leaf, so wide nodes have more below them. And
-  // a wide node and its parent have at least eighteen children between them, or the parent would have taken
-  // the other's: a child in nine at most is a node.
+  // A subtree of up to eight references is always cheapest as a leaf, so that a wide node has more than eight
+  // below it. A wide node and its parent have at least eighteen children together, or the parent would have
+  // taken those of the node. So at most one child in nine is a node.
+  static_assert(wide_node_children == 16 && wide_leaf_triangles == 8);
   const std::size_t nodes = references / 8 + 1;
   // A section is the child of a node of at least 2^(large_bits - 1) references.
   const std::size_t sections = 1 + wide_node_children * max_tree_depth * (references >> (large_bits - 1));

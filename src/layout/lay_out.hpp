@@ -1,4 +1,4 @@
-// From a binary tree to the structure that rays are traced through.
+// From a binary tree to the layout that is traversed.
 #pragma once
 
 #include <cstddef>
@@ -11,15 +11,15 @@ namespace kerf {
 
 struct LaidOut {
   WideBvh wide;
-  std::size_t peak_bytes = 0;  ///< the most that was held meanwhile, `wide` included
+  std::size_t peak_bytes = 0;  ///< the largest amount of memory held at a time, `wide` included
 };
 
 /// Collapses `tree` and lays the result out, on all threads of the task arena that this is called in. A
-/// triangle that stands twice below one wide leaf is stored once. Throws `Error::too_large` for more
+/// triangle with several references in one wide leaf is stored once. Throws `Error::too_large` for more
 /// references than a `ChildLink` can number, and `std::bad_alloc`.
 LaidOut make_wide_bvh(const Geometry& geometry, const BinaryTree& tree);
 
-/// No tree of so many references has a larger `peak_bytes`.
+/// An upper bound of `peak_bytes` for trees of so many references.
 std::size_t layout_memory_bound(std::size_t references);
 
 }  // namespace kerf

@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::uint32_t slots = wide_node_children;
 constexpr std::uint32_t octants = 8;
+static_assert(slots == 16, "an order is one word of four bits per slot, written in halves of eight slots");
 
 }  // namespace
 }  // namespace kerf
@@ -26,8 +27,8 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// A slot's place in an octant's order is the number of those before it. Centers are a quarter of what they
-// might be: the sum of three stays finite, and orders stay orders.
+// The place of a slot in the order of an octant is the number of slots before it. Distances are those of half
+// the centers, so that the sum of three coordinates stays finite.
 #if KERF_FLOAT_LANES >= 8
 namespace hn = hwy::HWY_NAMESPACE;
 using FloatTag8 = hn::FixedTag<float, 8>;
@@ -36,7 +37,7 @@ using Row = hn::Vec<FloatTag8>;
 constexpr FloatTag8 f32x8;
 constexpr IntTag8 i32x8;
 
-// Of eight children; rows 0 to 5 are the coordinates of the lower and the upper corners, a slot a lane.
+// For eight children, one per lane: rows 0 to 5 are the coordinates of the lower and the upper corners.
 HWY_INLINE void transpose(const BinaryNode* const* children, Row* rows) {
   Row in[8], pairs[8], fours[8];
   for (int i = 0; i < 8; ++i) in[i] = hn::LoadU(f32x8, &children[i]->bounds.lower.x);
@@ -61,7 +62,7 @@ HWY_INLINE void transpose(const BinaryNode* const* children, Row* rows) {
   for (int i = 0; i < 2; ++i) rows[i + 4] = hn::ConcatUpperUpper(f32x8, fours[i + 4], fours[i]);
 }
 
-// Octants are lanes here.
+// One octant per lane.
 void write_children(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
   alignas(32) float centers[3][slots];
   for (std::uint32_t first = 0; first < slots; first += 8) {
@@ -95,13 +96,13 @@ void write_children(const BinaryNode* const* children, std::uint32_t count, Wide
     }
     places[high] = place;
   }
-  // The nearest eight are in the lower half of an order.
+  // The nearest eight slots are in the lower half of an order.
   auto nearer = hn::Zero(i32x8), farther = hn::Zero(i32x8);
   for (std::uint32_t slot = 0; slot < slots; ++slot) {
-    const auto number = hn::Set(i32x8, static_cast<std::int32_t>(slot));
-    const auto place = slot < count ? places[slot] : number;
+    const auto index = hn::Set(i32x8, static_cast<std::int32_t>(slot));
+    const auto place = slot < count ? places[slot] : index;
     const auto in_half = hn::And(place, hn::Set(i32x8, 7));
-    const auto nibble = hn::Shl(number, hn::ShiftLeft<2>(in_half));
+    const auto nibble = hn::Shl(index, hn::ShiftLeft<2>(in_half));
     const auto is_near = hn::Eq(in_half, place);
     nearer = hn::Or(nearer, hn::IfThenElseZero(is_near, nibble));
     farther = hn::Or(farther, hn::IfThenZeroElse(is_near, nibble));

@@ -1,4 +1,4 @@
-// What a wide node says of its children's boxes.
+// Boxes and order of the children of a wide node.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace kerf {
 
-/// Writes the boxes of `count` children, one a slot, and for each octant of directions the order in which
-/// they come: from near to far, by how far along the octant's diagonal their centers lie; of those equally
-/// far the lower slot first, unused ones last. The same on every instruction set.
+/// Writes the boxes of `count` children, one per slot, and for each octant of directions their order from
+/// near to far. The order is that of their centers along the octant's diagonal; at the same distance the
+/// lower slot comes first, and unused slots come last. The same on every instruction set.
 void write_children(Target target, const BinaryNode* const* children, std::uint32_t count, WideNode& node);
 
 }  // namespace kerf

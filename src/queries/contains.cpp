@@ -6,9 +6,9 @@
 namespace kerf {
 namespace {
 
-// Any direction gives the same answer; one that is askew to all coordinate planes leaves the fewest decisions
-// to exact arithmetic in a world of upright walls.
-constexpr Vec3f askew{0.8571f, 0.3163f, 0.4067f};
+// Any direction gives the same answer. One that is oblique to all coordinate planes leaves few decisions to
+// exact arithmetic in scenes with walls along the axes.
+constexpr Vec3f oblique{0.8571f, 0.3163f, 0.4067f};
 
 bool on_surface(const Bvh::Structure& structure, const Vec3f& point) {
   bool found = false;
@@ -27,7 +27,7 @@ bool Bvh::contains(const Vec3f& point) const {
   return report_out_of_memory([&] {
     if (on_surface(*structure_, point)) return true;
     bool inside = false;
-    for_each_crossing(*structure_, {.origin = point, .direction = askew}, [&](std::uint32_t, const Hit&) {
+    for_each_crossing(*structure_, {.origin = point, .direction = oblique}, [&](std::uint32_t, const Hit&) {
       inside = !inside;
       return true;
     });

@@ -2,18 +2,16 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <limits>
-#include <memory_resource>
-#include <vector>
 
 #include <kerf/ray.hpp>
 
 #include "base/out_of_memory.hpp"
 #include "math/vec3f.hpp"
 #include "queries/line_crossing.hpp"
+#include "queries/small_vector.hpp"
 #include "structure.hpp"
 #include "traversal/dispatch.hpp"
 
@@ -23,15 +21,15 @@ namespace kerf {
 /// (t, id), until `visit` returns false. `hit` has t, u and v. Throws `Error::out_of_memory`, and what
 /// `visit` throws as it is.
 ///
-/// Nodes and crossings wait in one queue, nearest first; a crossing is visited when no node that is left to
-/// open can hold an earlier one. A triangle with references in several leaves is found in each that the ray
-/// meets, always at the same t: when it has been visited already, its place in the order is not behind that
-/// of the last one visited.
+/// Nodes and crossings wait in one queue, nearest first. A crossing is visited when no node that is left to
+/// open can contain an earlier one. A triangle with references in several leaves is found in each of them
+/// that the ray meets, always at the same t. Whether it has been visited already, its place in the order
+/// tells: then it does not come after the last crossing visited.
 template <class Visit>
 void for_each_crossing(const Bvh::Structure& structure, Ray ray, Visit&& visit) {
   struct Item {
     float t;
-    std::uint32_t order;  // 0: a node; else 1 + the triangle's number, so that at one t nodes come first
+    std::uint32_t order;  // 0 for a node, else 1 + the triangle's number: at the same t nodes come first
     ChildLink link;
     float u, v;
   };
@@ -43,11 +41,7 @@ void for_each_crossing(const Bvh::Structure& structure, Ray ray, Visit&& visit) 
   const WideBvh& bvh = structure.wide;
   if (bvh.empty() || !valid) return;
 
-  // Enough for most rays without the heap: a few levels of waiting nodes.
-  std::array<std::byte, 8192> stack;
-  std::pmr::monotonic_buffer_resource memory(stack.data(), stack.size());
-  std::pmr::vector<Item> queue(&memory);
-  queue.reserve(stack.size() / sizeof(Item) - 1);
+  SmallVector<Item, 8192> queue;  // a few levels of waiting nodes: most rays do without the heap
   const auto push = [&](const Item& item) {
     report_out_of_memory([&] { queue.push_back(item); });
     std::push_heap(queue.begin(), queue.end(), later);

@@ -22,19 +22,19 @@ struct LineCrossing {
 /// The side on which the line from `o` along `d` passes the edge from `a` to `b`: the sign of det(d, a - o, b
 /// - o).
 ///
-/// A line through the edge itself is moved aside by an infinitesimal amount, first along one axis, then by a
-/// still smaller one along another (Edelsbrunner & Mücke 1990, "Simulation of Simplicity"). All triangles see
-/// the same moved line, which meets no edge and no vertex: that is what makes the crossings of a closed
-/// surface even in number. 0 only for an edge that is parallel to the line, which no movement parts.
+/// A line through the edge itself is moved aside by an infinitesimal amount along one axis, then by a still
+/// smaller one along another (Edelsbrunner & Mücke 1990, "Simulation of Simplicity"). The moved line is the
+/// same for all triangles and meets no edge and no vertex, so that it crosses a closed surface an even number
+/// of times. 0 only for an edge that is parallel to the line, which no movement separates.
 inline int exact_edge_side(const Vec3f& o, const Vec3f& d, const Vec3f& a, const Vec3f& b) {
   ExactSum sum;
   add_determinant(sum, 1.0f, d, a, b);
   add_determinant(sum, -1.0f, d, a, o);
   add_determinant(sum, -1.0f, d, o, b);
   if (const int sign = sum.sign()) return sign;
-  // Moving o by w adds det(d, b - a, w), that is w . (d x (b - a)), here for w = x, then y, then z. The
-  // component along d of the movement adds nothing, so that two of the axes are enough to decide and the
-  // third does no harm.
+  // Moving o by w adds det(d, b - a, w), that is w . (d x (b - a)): here for w = x, then y, then z. The
+  // component of the movement along d adds nothing, so that two of the axes are enough to decide; the third
+  // does no harm.
   const auto component = [&](int i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     ExactSum cross;
@@ -65,7 +65,8 @@ inline std::optional<LineCrossing> cross_line(const Vec3f& o, const Vec3f& d, co
   if (sc == 0) sc = exact_edge_side(o, d, a, b);
   if (sa == 0 || sa != sb || sb != sc) return std::nullopt;
 
-  // The three have one sign, so their sum is as good as they are. det(ao, bo, co) is the sum times t.
+  // The three have the same sign, so that their sum is as precise as they are. det(ao, bo, co) is the sum
+  // times t.
   const Determinant height = determinant(ao, bo, co);
   const Determinant total{wa.value + wb.value + wc.value, 2.0 * (wa.error + wb.error + wc.error)};
   if (height.precise() && total.precise()) {
@@ -79,7 +80,7 @@ inline std::optional<LineCrossing> cross_line(const Vec3f& o, const Vec3f& d, co
     return sum.value();
   };
   const double ea = exact(b, c), eb = exact(c, a), ec = exact(a, b);
-  const double sum = ea + eb + ec;  // not 0: of a line in the plane of the triangle the three sides differ
+  const double sum = ea + eb + ec;  // not 0: for a line in the plane of the triangle the three sides differ
   return LineCrossing{exact_orientation(o, a, b, c).value() / sum, eb / sum, ec / sum};
 }
 
@@ -101,8 +102,8 @@ inline int order_against(const LineCrossing& crossing, float t, const Vec3f& o, 
 inline bool lies_on(const Vec3f& p, const Triangle& triangle) {
   const auto& [a, b, c] = triangle;
   if (orientation(p, a, b, c) != 0) return false;
-  // In one plane: of its three shadows on the coordinate planes at least one keeps an area. A point inside
-  // that shadow is inside the triangle.
+  // They lie in one plane. At least one of the projections of the triangle onto the coordinate planes has an
+  // area, and a point of that projection is a point of the triangle.
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
     if (orientation_2d(a[i], a[j], b[i], b[j], c[i], c[j]) == 0) continue;

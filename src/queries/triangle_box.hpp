@@ -17,9 +17,9 @@ inline bool overlaps(const Triangle& triangle, const Box3f& box) {
   if (contains(box, bounds)) return true;
   const Vec3f vertices[3] = {triangle.v0, triangle.v1, triangle.v2};
 
-  // Axes across an edge and a coordinate axis: does the line of the edge, seen along that axis, part the
-  // shadow of the box from the shadow of the third vertex, which lies to the left of all three edges or to
-  // the right of all? Of the box the corner farthest to that side decides.
+  // Axes perpendicular to an edge and to a coordinate axis: projected along that axis, does the line of the
+  // edge separate the box from the third vertex? The third vertex lies on the same side, left or right, of
+  // all three edges. The corner of the box that is farthest to that side decides.
   int normal[3];  // signs of the components
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
@@ -38,8 +38,8 @@ inline bool overlaps(const Triangle& triangle, const Box3f& box) {
     }
   }
 
-  // The normal of the triangle: are the corners of the box that lie farthest along it and against it on one
-  // side of its plane?
+  // The normal of the triangle: do the corners of the box that are farthest along and against it lie on the
+  // same side of its plane?
   Vec3f along, against;
   for (int k = 0; k < 3; ++k) {
     along[k] = normal[k] > 0 ? box.upper[k] : box.lower[k];

@@ -7,8 +7,8 @@ namespace kerf {
 
 std::vector<PrimitiveId> Bvh::triangles_in(const Box3f& box) const {
   const PlainFloatingPoint plain;
-  const Box3f finite =
-      kerf::intersect(box, structure_->wide.bounds);  // infinite ends are of no use to exact arithmetic
+  // Exact arithmetic needs finite corners.
+  const Box3f finite = kerf::intersect(box, structure_->wide.bounds);
   std::vector<PrimitiveId> places;
   if (finite.empty()) return places;
   report_out_of_memory([&] {

@@ -6,8 +6,8 @@
 
 namespace kerf {
 
-/// Calls `visit(id, triangle)` for each reference of a triangle whose bounds have a point in `box`, until it
-/// returns false. A triangle with several references is visited for each of them.
+/// Calls `visit(id, triangle)` for each reference of a triangle whose bounds have a point in `box`, until
+/// `visit` returns false. A triangle is visited once per reference.
 template <class Visit>
 void visit_box(const Bvh::Structure& structure, const Box3f& box, Visit&& visit) {
   const WideBvh& bvh = structure.wide;

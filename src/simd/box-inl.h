@@ -23,6 +23,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+static_assert(KERF_FLOAT_LANES >= 4 && hn::MaxLanes(hn::ScalableTag<float>()) == KERF_FLOAT_LANES);
+
 using FloatTag4 = hn::FixedTag<float, 4>;
 using IntTag4 = hn::FixedTag<std::int32_t, 4>;
 using Float4 = hn::Vec<FloatTag4>;
@@ -30,7 +32,7 @@ constexpr FloatTag4 f32x4;
 constexpr IntTag4 i32x4;
 constexpr hn::FixedTag<std::uint32_t, 4> u32x4;
 
-// All bits of the three coordinates of each corner, none of the fourth lanes.
+// Masks the three coordinates of each corner.
 alignas(32) constexpr std::uint32_t corner_lanes[8] = {~0u, ~0u, ~0u, 0, ~0u, ~0u, ~0u, 0};
 
 alignas(32) constexpr std::uint32_t infinite_fourth_lane[8] = {0, 0, 0, 0x7f800000, 0, 0, 0, 0};
@@ -110,7 +112,7 @@ HWY_INLINE SimdBox move(const SimdBox& box, const SimdBox& step, float times) {
 HWY_INLINE SimdBox sum(const SimdBox& a, const SimdBox& b) {
   return {hn::Add(a.halves, b.halves)};
 }
-// The greatest whole numbers not above (box - origin) * scale.
+// The largest integers not above (box - origin) * scale.
 HWY_INLINE SimdBox floor_of_scaled(const SimdBox& box, const SimdBox& origin, const SimdBox& scale) {
   return {hn::Floor(hn::Mul(hn::Sub(box.halves, origin.halves), scale.halves))};
 }

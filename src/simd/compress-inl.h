@@ -36,8 +36,8 @@ struct FrontLanes {
 }();
 #endif
 
-// The lanes that `mask` has, in front. For AVX2, Highway's own has a table of 1 KiB that GCC 12 copies to the
-// stack at each call, which took a third of the time of a ray.
+// Moves the lanes that `mask` has to the front. For eight lanes (AVX2) Highway's own function has a table of
+// 1 KiB, which GCC 12 copies to the stack at each call: that took a third of the time of a ray.
 template <class V, class M>
 HWY_INLINE V compress(V v, M mask) {
   const hn::DFromV<V> tag;

@@ -1,4 +1,4 @@
-// Eight floats or sixteen, in as many vectors as the instruction set at hand needs.
+// Float8 floats or sixteen, in as many vectors as the instruction set at hand needs.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_SIMD_FLOATS_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -19,12 +19,14 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+static_assert(hn::MaxLanes(hn::ScalableTag<float>()) == KERF_FLOAT_LANES);
+
 using FloatTag = hn::CappedTag<float, 8>;
 using FloatVector = hn::Vec<FloatTag>;
 inline constexpr std::size_t vector_lanes = hn::MaxLanes(FloatTag());
 inline constexpr std::size_t vector_count = 8 / vector_lanes;
 
-// Doubles come in vectors of half as many lanes, but for instruction sets whose vectors hold eight.
+// A vector of doubles has half as many lanes, or eight where vectors are that long.
 using DoubleTag = hn::CappedTag<double, 8>;
 using DoubleVector = hn::Vec<DoubleTag>;
 inline constexpr std::size_t double_lanes = hn::MaxLanes(DoubleTag());
@@ -33,38 +35,38 @@ inline constexpr std::size_t double_count = 8 / double_lanes;
 template <std::size_t count>
 struct Floats {
   using Tag = hn::CappedTag<float, count>;
-  static constexpr std::size_t lanes = hn::MaxLanes(Tag()), parts = count / lanes;
-  hn::Vec<Tag> part[parts];
+  static constexpr std::size_t lanes = hn::MaxLanes(Tag()), vectors = count / lanes;
+  hn::Vec<Tag> vector[vectors];
 };
-using Eight = Floats<8>;
-using Sixteen = Floats<16>;
+using Float8 = Floats<8>;
+using Float16 = Floats<16>;
 
 template <std::size_t count = 8>
 HWY_INLINE Floats<count> load(const float* p) {
   using F = Floats<count>;
   F r;
-  for (std::size_t i = 0; i < F::parts; ++i) r.part[i] = hn::LoadU(typename F::Tag(), p + i * F::lanes);
+  for (std::size_t i = 0; i < F::vectors; ++i) r.vector[i] = hn::LoadU(typename F::Tag(), p + i * F::lanes);
   return r;
 }
 template <std::size_t count = 8>
 HWY_INLINE Floats<count> broadcast(float x) {
   using F = Floats<count>;
   F r;
-  for (std::size_t i = 0; i < F::parts; ++i) r.part[i] = hn::Set(typename F::Tag(), x);
+  for (std::size_t i = 0; i < F::vectors; ++i) r.vector[i] = hn::Set(typename F::Tag(), x);
   return r;
 }
 template <std::size_t count>
 HWY_INLINE void store(const Floats<count>& a, float* p) {
   using F = Floats<count>;
-  for (std::size_t i = 0; i < F::parts; ++i) hn::StoreU(a.part[i], typename F::Tag(), p + i * F::lanes);
+  for (std::size_t i = 0; i < F::vectors; ++i) hn::StoreU(a.vector[i], typename F::Tag(), p + i * F::lanes);
 }
 
-#define KERF_FLOATS_BINARY(name, operation)                                                \
-  template <std::size_t count>                                                             \
-  HWY_INLINE Floats<count> name(const Floats<count>& a, const Floats<count>& b) {          \
-    Floats<count> r;                                                                       \
-    for (std::size_t i = 0; i < r.parts; ++i) r.part[i] = operation(a.part[i], b.part[i]); \
-    return r;                                                                              \
+#define KERF_FLOATS_BINARY(name, operation)                                                        \
+  template <std::size_t count>                                                                     \
+  HWY_INLINE Floats<count> name(const Floats<count>& a, const Floats<count>& b) {                  \
+    Floats<count> r;                                                                               \
+    for (std::size_t i = 0; i < r.vectors; ++i) r.vector[i] = operation(a.vector[i], b.vector[i]); \
+    return r;                                                                                      \
   }
 KERF_FLOATS_BINARY(operator+, hn::Add)
 KERF_FLOATS_BINARY(operator-, hn::Sub)
@@ -88,26 +90,26 @@ HWY_INLINE std::uint32_t bits(Tag tag, hn::Mask<Tag> mask) {
 template <std::size_t count>
 HWY_INLINE std::uint32_t less_or_equal(const Floats<count>& a, const Floats<count>& b) {
   std::uint32_t r = 0;
-  for (std::size_t i = 0; i < a.parts; ++i)
-    r |= bits(typename Floats<count>::Tag(), hn::Le(a.part[i], b.part[i])) << (i * a.lanes);
+  for (std::size_t i = 0; i < a.vectors; ++i)
+    r |= bits(typename Floats<count>::Tag(), hn::Le(a.vector[i], b.vector[i])) << (i * a.lanes);
   return r;
 }
-HWY_INLINE std::uint32_t less(const Eight& a, const Eight& b) {
+HWY_INLINE std::uint32_t less(const Float8& a, const Float8& b) {
   std::uint32_t r = 0;
   for (std::size_t i = 0; i < vector_count; ++i)
-    r |= bits(FloatTag(), hn::Lt(a.part[i], b.part[i])) << (i * vector_lanes);
+    r |= bits(FloatTag(), hn::Lt(a.vector[i], b.vector[i])) << (i * vector_lanes);
   return r;
 }
 
 // Lanes [i * double_lanes, (i + 1) * double_lanes) in double precision.
-template <class Lanes = Eight>
+template <class Lanes = Float8>
 HWY_INLINE DoubleVector promote(const Lanes& a, std::size_t i) {
   if constexpr (double_lanes == vector_lanes) {
-    return hn::PromoteTo(DoubleTag(), a.part[i]);
+    return hn::PromoteTo(DoubleTag(), a.vector[i]);
   } else {
-    const auto part = a.part[i / 2];
+    const auto vector = a.vector[i / 2];
     return hn::PromoteTo(DoubleTag(),
-                         i % 2 == 0 ? hn::LowerHalf(part) : UpperHalf(hn::Half<FloatTag>(), part));
+                         i % 2 == 0 ? hn::LowerHalf(vector) : UpperHalf(hn::Half<FloatTag>(), vector));
   }
 }
 
@@ -118,17 +120,17 @@ HWY_INLINE V difference_of_products(V a, V b, V c, V d) {
   const V cd = hn::Mul(c, d);
   return hn::Add(hn::MulSub(a, b, cd), hn::NegMulAdd(c, d, cd));
 }
-HWY_INLINE Eight difference_of_products(const Eight& a, const Eight& b, const Eight& c, const Eight& d) {
-  Eight r;
+HWY_INLINE Float8 difference_of_products(const Float8& a, const Float8& b, const Float8& c, const Float8& d) {
+  Float8 r;
   for (std::size_t i = 0; i < vector_count; ++i)
-    r.part[i] = difference_of_products(a.part[i], b.part[i], c.part[i], d.part[i]);
+    r.vector[i] = difference_of_products(a.vector[i], b.vector[i], c.vector[i], d.vector[i]);
   return r;
 }
 #else
-// a * b + c rounded once, where the instruction set has no such thing. The product is exact in double
-// precision; the sum is rounded to odd there, so that rounding it again does no harm (Boldo & Melquiond 2008,
+// a * b + c, rounded once, on instruction sets without fused multiply-add. The product is exact in double
+// precision. The sum is rounded to odd there, so that rounding it again does no harm (Boldo & Melquiond 2008,
 // "Emulation of a FMA and Correctly Rounded Sums: Proved Algorithms Using Rounding to Odd").
-HWY_INLINE Eight fused_multiply_add(const Eight& a, const Eight& b, const Eight& c) {
+HWY_INLINE Float8 fused_multiply_add(const Float8& a, const Float8& b, const Float8& c) {
   const DoubleTag tag;
   const hn::RebindToSigned<DoubleTag> integers;
   alignas(64) float lanes[8];
@@ -148,8 +150,8 @@ HWY_INLINE Eight fused_multiply_add(const Eight& a, const Eight& b, const Eight&
   }
   return load(lanes);
 }
-HWY_INLINE Eight difference_of_products(const Eight& a, const Eight& b, const Eight& c, const Eight& d) {
-  const Eight cd = c * d, none = broadcast(0.0f);
+HWY_INLINE Float8 difference_of_products(const Float8& a, const Float8& b, const Float8& c, const Float8& d) {
+  const Float8 cd = c * d, none = broadcast(0.0f);
   return fused_multiply_add(a, b, none - cd) + fused_multiply_add(none - c, d, cd);
 }
 #endif

@@ -14,6 +14,13 @@
 // be neither a member nor an element of an array; NEON runs wherever SVE does.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 
+// Every aarch64 machine has NEON: nothing is left to be chosen at run time. With a choice Highway would ask
+// the compiler for AES instructions, which kernels do not use, some machines lack, and GCC does not inline
+// into functions that it makes by itself.
+#ifdef __aarch64__
+#define TOOLCHAIN_MISS_SYS_AUXV_H
+#endif
+
 // The fallback is SCALAR, one number at a time, which every compiler translates correctly. Kernels that need
 // vectors of four floats define KERF_FOUR_LANES before they include this, and get EMU128 in its place.
 #ifdef KERF_FOUR_LANES

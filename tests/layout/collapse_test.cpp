@@ -38,34 +38,35 @@ double leaf_cost(const BinaryTree& tree, std::uint32_t node) {
   return area(tree, node) * (double{costs.leaf} + double{costs.triangle} * references_below(tree, node));
 }
 
-// The definition, word by word, in double precision.
+// The definition as it stands, in double precision.
 struct Oracle {
   const BinaryTree& tree;
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> known{};
 
   double distribute(std::uint32_t node, std::uint32_t slots) {
-    double least = std::numeric_limits<double>::infinity();
+    double min_cost = std::numeric_limits<double>::infinity();
     for (std::uint32_t k = 1; k < slots; ++k) {
-      least = std::min(least, cost(tree.nodes[node].left(), k) + cost(tree.nodes[node].right(), slots - k));
+      min_cost =
+          std::min(min_cost, cost(tree.nodes[node].left(), k) + cost(tree.nodes[node].right(), slots - k));
     }
-    return least;
+    return min_cost;
   }
 
   double cost(std::uint32_t node, std::uint32_t slots) {
     if (tree.nodes[node].is_leaf()) return leaf_cost(tree, node);
     if (const auto found = known.find({node, slots}); found != known.end()) return found->second;
-    double least;
+    double min_cost;
     if (slots == 1) {
-      least = area(tree, node) + distribute(node, Collapse::slots);
-      if (references_below(tree, node) <= 8) least = std::min(least, leaf_cost(tree, node));
+      min_cost = area(tree, node) + distribute(node, Collapse::slots);
+      if (references_below(tree, node) <= 8) min_cost = std::min(min_cost, leaf_cost(tree, node));
     } else {
-      least = std::min(distribute(node, slots), cost(node, slots - 1));
+      min_cost = std::min(distribute(node, slots), cost(node, slots - 1));
     }
-    return known[{node, slots}] = least;
+    return known[{node, slots}] = min_cost;
   }
 };
 
-// What the wide tree costs that the collapse has chosen; checks that every leaf is one that may be.
+// The cost of the wide tree that the collapse has chosen; checks that every leaf is allowed.
 double chosen_cost(const Collapse& collapse, const BinaryTree& tree, std::uint32_t node) {
   const Collapse::Children children = collapse.children(node);
   EXPECT_GE(children.count, 2u);
@@ -107,7 +108,7 @@ TEST(Collapse, AnyInstructionSetMakesTheSameChoices) {
   });
 }
 
-// Only then may the layout leave out the search for triangles that stand twice in a leaf.
+// The layout relies on this where it does not search leaves for duplicate triangles.
 TEST(Collapse, NoTriangleStandsTwiceBelowANodeOfFewerReferencesThanTheLeastDivided) {
   kerf_tests::Mesh mesh = kerf_tests::random_triangles(4000, 0.02f, 0.02f);
   const kerf_tests::Mesh large = kerf_tests::random_triangles(40, 1.0f, 1.0f, 2);

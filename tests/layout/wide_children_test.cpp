@@ -14,7 +14,7 @@ namespace {
 using kerf::BinaryNode;
 using kerf::WideNode;
 
-// Coordinates are few, so that many centers are equally far.
+// Coordinates from a small set, so that many centers are at the same distance.
 std::vector<BinaryNode> random_children(std::mt19937& random, std::uint32_t count) {
   std::uniform_int_distribution<int> coordinate(-3, 3), size(0, 2);
   std::vector<BinaryNode> children(count);
@@ -28,7 +28,7 @@ std::vector<BinaryNode> random_children(std::mt19937& random, std::uint32_t coun
   return children;
 }
 
-// A quarter of how far a center lies along the diagonal of an octant, in floats as the definition has it.
+// The position of half the center along the diagonal of an octant, in floats as in the definition.
 float distance_along(const kerf::Box3f& box, unsigned octant) {
   float sum = 0.0f;
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,4 +1,5 @@
-// The contract of `all_hits` beyond which triangles are crossed: order, multiplicity, early stop, and parity.
+// The contract of `all_hits` apart from which triangles are crossed: order, multiplicity, early stop and
+// parity.
 #include <algorithm>
 #include <functional>
 #include <new>
@@ -109,7 +110,7 @@ TEST(AllHits, ANegativeTMinCountsAsZero) {
   EXPECT_EQ(gather(bvh, {.origin = {0.3f, 0.1f, 0}, .direction = {0, 0, 1}, .t_min = -9}).size(), 1u);
 }
 
-// From inside an odd number, from outside an even one, whatever the ray is aimed at.
+// An odd number from inside, an even one from outside, whatever the ray is aimed at.
 TEST(AllHits, HasTheRightParityThroughEveryVertexAndEdge) {
   for (const Solid& solid : {workbench::make_sphere(3), workbench::make_box({-2, -2, -2}, {2, 2, 2}, 4),
                              workbench::make_torus(24, 12, 2.0f, 0.5f)}) {

@@ -16,7 +16,8 @@ namespace {
 using namespace adversarial;
 using exact::Meeting;
 
-// The relation that `all_hits` promises: inside is crossed, outside is not; on the boundary either may be.
+// What `all_hits` promises: a triangle is crossed in its interior, and not outside; on its boundary it may
+// be.
 void expect_exact(const Soup& soup, const Ray& ray, const std::vector<Hit>& hits) {
   std::map<std::uint32_t, Hit> found;
   for (const Hit& hit : hits) ASSERT_TRUE(found.emplace(hit.primitive, hit).second) << "reported twice";
@@ -47,7 +48,7 @@ std::vector<Hit> gather(const Bvh& bvh, const Ray& ray) {
   return hits;
 }
 
-TEST(AllHits, IsExactOnAGridWhereEverythingIsAligned) {
+TEST(CrossingExactness, IsExactOnAGridWhereEverythingIsAligned) {
   std::mt19937 random(1);
   for (int round = 0; round < 20; ++round) {
     const Soup triangles = soup(40, [&] { return grid_point(random, 3); });
@@ -62,7 +63,7 @@ TEST(AllHits, IsExactOnAGridWhereEverythingIsAligned) {
   }
 }
 
-TEST(AllHits, IsExactAtAMillionthAndAMillionSizesDistance) {
+TEST(CrossingExactness, IsExactAtAMillionthAndAMillionSizesDistance) {
   std::mt19937 random(2);
   for (const float distance : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f}) {
     const Soup triangles = soup(40, [&] { return uniform_point(random, 1.0f); });
@@ -75,7 +76,7 @@ TEST(AllHits, IsExactAtAMillionthAndAMillionSizesDistance) {
   }
 }
 
-TEST(AllHits, IsExactFarFromTheOriginAndAtExtremeScales) {
+TEST(CrossingExactness, IsExactFarFromTheOriginAndAtExtremeScales) {
   std::mt19937 random(3);
   struct Place {
     float offset, scale;
@@ -95,7 +96,7 @@ TEST(AllHits, IsExactFarFromTheOriginAndAtExtremeScales) {
   }
 }
 
-TEST(AllHits, IsExactOnSliversOfAspectAHundredMillion) {
+TEST(CrossingExactness, IsExactOnSliversOfAspectAHundredMillion) {
   std::mt19937 random(4);
   std::vector<Triangle> slivers;
   while (slivers.size() < 60) {
@@ -111,8 +112,8 @@ TEST(AllHits, IsExactOnSliversOfAspectAHundredMillion) {
   }
 }
 
-// Rays that end, or begin, just at a triangle, where no component of anything has a bit to spare.
-TEST(AllHits, IsExactAtBothEndsOfTheRange) {
+// Rays that end or begin exactly at a triangle, with coordinates that use all bits of a float.
+TEST(CrossingExactness, IsExactAtBothEndsOfTheRange) {
   std::mt19937 random(6);
   for (int round = 0; round < 1000; ++round) {
     const Vec3f a = grid_point(random, 1 << 19), d1 = grid_point(random, 1 << 19),
@@ -132,9 +133,9 @@ TEST(AllHits, IsExactAtBothEndsOfTheRange) {
   }
 }
 
-// What the queue of `for_each_crossing` relies on, or a crossing is found when its turn is over. Grazing rays
-// are those whose t loses most to rounding.
-TEST(AllHits, NoCrossingSeemsToComeBeforeItsBox) {
+// The queue of `for_each_crossing` relies on this: otherwise a crossing would be found after later ones have
+// been visited. Rounding changes t most for grazing rays.
+TEST(CrossingExactness, NoCrossingSeemsToComeBeforeItsBox) {
   std::mt19937 random(7);
   int crossings = 0;
   for (int i = 0; i < 300000; ++i) {
@@ -168,9 +169,9 @@ TEST(AllHits, NoCrossingSeemsToComeBeforeItsBox) {
   EXPECT_GT(crossings, 20000);
 }
 
-// The half-open rule, stated for one edge: two triangles that face the same way, on both sides of an edge in
-// one plane, own each of its points once; so do all triangles of a fan their common vertex.
-TEST(AllHits, AFanOwnsItsHubOnce) {
+// The half-open rule: two triangles on both sides of an edge, seen from the same side, own each point of the
+// edge once. All triangles of a fan own their common vertex once.
+TEST(CrossingExactness, AFanOwnsItsHubOnce) {
   std::mt19937 random(5);
   for (int round = 0; round < 200; ++round) {
     const Vec3f hub = grid_point(random, 2);

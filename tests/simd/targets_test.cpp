@@ -1,10 +1,12 @@
 #include "support/targets.hpp"
 
+#include <cstdio>
 #include <string_view>
 
 #include <gtest/gtest.h>
 
 #include "simd/dispatch.hpp"
+#include "traversal/dispatch.hpp"
 
 namespace kerf {
 namespace {
@@ -18,6 +20,23 @@ TEST(Targets, HaveATableEntryEach) {
   const auto targets = supported_targets();
   for (std::size_t i = 1; i < targets.size(); ++i)
     EXPECT_LT(targets[i - 1].table_index, targets[i].table_index) << targets[i].name;
+}
+
+// Every AVX-512 target, also those that only newer versions of Highway know, must get the code for sixteen
+// lanes.
+std::size_t expected_lanes(std::string_view target) {
+  if (target.starts_with("AVX3") || target.starts_with("AVX10")) return 16;
+  if (target == "AVX2") return 8;
+  return target == "SCALAR" ? 1 : 4;
+}
+
+TEST(Targets, HaveKernelsForAllOfTheirLanes) {
+  kerf_tests::for_each_target([](const Target& target) {
+    const Kernels& kernels = choose_kernels();
+    std::printf("%-16s %2zu lanes\n", kernels.target, kernels.float_lanes);
+    EXPECT_STREQ(kernels.target, target.name);
+    EXPECT_EQ(kernels.float_lanes, expected_lanes(target.name));
+  });
 }
 
 TEST(Targets, AreChosenByTheEnvironment) {

@@ -1,6 +1,6 @@
-// What `intersect` and `occluded` find, against rational arithmetic. They move each triangle's corners by
-// roundings, all triangles at a corner alike, so that a triangle must be hit where it is crossed at more than
-// that distance from its edges, and may be where it comes as near to the ray.
+// `intersect` and `occluded` against rational arithmetic. Rounding moves the corners of triangles, and moves
+// a corner the same way for all triangles that share it. So a triangle must be hit if the ray crosses it at
+// more than that distance from its edges, and may be hit if the ray passes it within that distance.
 #include <gtest/gtest.h>
 
 #include "math/ray_box.hpp"
@@ -56,7 +56,7 @@ class HitOracle {
       if (square(exact::dot(direction_, exact::cross(a, b))) < clear * exact::dot(across, across))
         return false;
     }
-    // The distance that the triangle may have moved, seen along the ray.
+    // The distance along the ray by which the triangle may have moved.
     const Vector normal = exact::cross(corners[1] - corners[0], corners[2] - corners[0]);
     const Number moved =
         clear * exact::dot(normal, normal) / square(exact::dot(normal, direction_));  // squared, as t
@@ -96,7 +96,7 @@ Soup slivers(std::mt19937& random, float thinness) {
   }());
 }
 
-TEST(Intersect, HitsWhatMustBeHitAndNothingThatMayNot) {
+TEST(HitExactness, HitsWhatMustBeHitAndNothingThatMayNot) {
   std::mt19937 random(1);
   kerf_tests::for_each_target([&](const Target&) {
     for (const float distance : {1e-6f, 1e-3f, 1.0f, 1e3f, 1e6f}) {
@@ -115,7 +115,7 @@ TEST(Intersect, HitsWhatMustBeHitAndNothingThatMayNot) {
   });
 }
 
-TEST(Intersect, HitsWhatMustBeHitFarFromTheOriginAndAtAnyScale) {
+TEST(HitExactness, HitsWhatMustBeHitFarFromTheOriginAndAtAnyScale) {
   std::mt19937 random(2);
   struct Place {
     float offset, scale;

@@ -46,7 +46,7 @@ std::vector<Ray> rays_at(const TriangleSoup& soup, std::mt19937& random, std::si
     if (i % 4 == 2) v = 0.0f;      // an edge
     const auto corner = [&](std::size_t k) { return soup.vertices[soup.triangles[first + k]]; };
     const Vec3f target = (1.0f - u - v) * corner(0) + u * corner(1) + v * corner(2);
-    // every eighth ray starts in the triangle's own plane and sees it edge-on
+    // every eighth ray starts in the plane of the triangle and meets it edge-on
     const Vec3f origin = i % 8 == 7 ? target + (corner(1) - corner(0)) * 3.0f : random_point(random, reach);
     rays.push_back({.origin = origin, .direction = target - origin});
   }

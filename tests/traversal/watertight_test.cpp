@@ -7,6 +7,7 @@
 #include "math/vec3f.hpp"
 #include "support/instrumented.hpp"
 #include "workbench/generate/solids.hpp"
+#include "workbench/rays/aimed_rays.hpp"
 
 namespace {
 
@@ -43,7 +44,7 @@ std::size_t count_leaks(const kerf::Bvh& bvh, const std::vector<Ray>& rays) {
   return leaks;
 }
 
-// `solid` turned about an axis that is no one's favourite, made `size` as large, and moved.
+// `solid` rotated about an oblique axis, scaled by `size`, and moved.
 workbench::Solid moved(workbench::Solid solid, float size, const Vec3f& offset) {
   const float c = std::cos(0.7f), s = std::sin(0.7f);
   for (Vec3f& v : solid.vertices) {
@@ -97,4 +98,16 @@ TEST(Watertight, NothingLeavesATorusTube) {
   const kerf::Bvh bvh = kerf::build(torus.mesh(), split_everywhere);
   const std::vector<Ray> rays = aimed_rays(torus, {1.0f, 0.0f, 0.0f});
   EXPECT_EQ(count_leaks(bvh, rays), 0u);
+}
+
+// A hundredth of bench/watertight_run.cpp.
+TEST(Watertight, AMillionAimedRaysNeitherLeakNorMiscount) {
+  const std::vector<workbench::NamedSolid> solids = workbench::make_watertight_solids();
+  for (const auto& [name, solid] : solids) {
+    const kerf::Bvh bvh = kerf::build(solid.mesh(), split_everywhere);
+    const workbench::AimedRayCounts counts =
+        workbench::trace_aimed_rays(solid, bvh, test::reduced(1'000'000) / solids.size() + 1, 64);
+    EXPECT_EQ(counts.leaks, 0u) << name;
+    EXPECT_EQ(counts.parity_errors, 0u) << name;
+  }
 }

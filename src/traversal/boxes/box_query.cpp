@@ -11,7 +11,6 @@
 #include <hwy/highway.h>
 
 #include "simd/floats-inl.h"
-#include "traversal/query_kernels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -34,8 +33,8 @@ HWY_INLINE std::uint32_t bounds_in(const WideBvh& bvh, ChildLink leaf, const Box
   const float* rows = leaf_rows(bvh, leaf);
   std::uint32_t in = (1u << count) - 1;
   for (std::uint32_t axis = 0; axis < 3; ++axis) {
-    const Eight a = load(rows + axis * count), b = load(rows + (3 + axis) * count),
-                c = load(rows + (6 + axis) * count);
+    const Float8 a = load(rows + axis * count), b = load(rows + (3 + axis) * count),
+                 c = load(rows + (6 + axis) * count);
     in &= less_or_equal(minimum(minimum(a, b), c), broadcast(box.upper[static_cast<int>(axis)]));
     in &= less_or_equal(broadcast(box.lower[static_cast<int>(axis)]), maximum(maximum(a, b), c));
   }

@@ -12,14 +12,13 @@
 #include <hwy/highway.h>
 
 #include "simd/doubles-inl.h"
-#include "traversal/query_kernels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// What is certain of the signs of determinants, see `Determinant`.
+// The signs of determinants, as far as they are certain: see `Determinant`.
 struct Signs {
   hn::Mask<DoubleTag> positive, negative;
 };
@@ -43,7 +42,7 @@ HWY_INLINE Signs determinant_signs(const Vec3Doubles& a, const Vec3Doubles& b, c
 std::uint32_t line_meets(const WideNode& node, const PreparedLine& line, float* entry) {
   const DoubleTag tag;
   const hn::Rebind<float, DoubleTag> narrow;
-  // A difference, a reciprocal and a product put a relative error of 3 * 2^-53 on each distance.
+  // A difference, a reciprocal and a product give each distance a relative error of up to 3 * 2^-53.
   const auto late = hn::Set(tag, 1.0 + 8.0 / 9007199254740992.0), early = hn::Set(tag, 1.0 - 0x1p-24);
   const double inverses[3] = {line.inverse.x, line.inverse.y, line.inverse.z};
   std::uint32_t met = 0;
@@ -61,8 +60,8 @@ std::uint32_t line_meets(const WideNode& node, const PreparedLine& line, float* 
       leave = hn::IfThenElse(hn::Lt(far, leave), far, leave);
     }
     met |= bits(tag, hn::Le(enter, leave)) << i;
-    const auto most = hn::Set(tag, double{std::numeric_limits<float>::max()});
-    hn::StoreU(hn::DemoteTo(narrow, hn::Min(enter, most)), narrow, entry + i);
+    const auto max_float = hn::Set(tag, double{std::numeric_limits<float>::max()});
+    hn::StoreU(hn::DemoteTo(narrow, hn::Min(enter, max_float)), narrow, entry + i);
   }
   return met;
 }

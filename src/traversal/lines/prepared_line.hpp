@@ -1,4 +1,4 @@
-// A ray's line as queries meet boxes with it.
+// A ray in the form in which its line is tested against boxes.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,8 @@
 
 namespace kerf {
 
-/// Where 0 * infinity, for a ray in the plane of a face, is not a number, comparisons leave that face out.
+/// For a ray in the plane of a face, 0 * infinity is not a number, and comparisons with that leave the face
+/// out.
 struct PreparedLine {
   Vec3f origin, direction;
   Vec3d inverse;

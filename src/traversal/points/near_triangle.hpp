@@ -1,4 +1,4 @@
-// Triangles near a point, as the kernels find them.
+// A triangle near a point, as kernels find it.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct NearTriangle {
   std::uint32_t place;  ///< and as which of the leaf's triangles
 };
 
-/// Nearest first; of several at the same distance the one with the lowest number.
+/// Nearest first; at the same distance, the lower number first.
 inline bool is_nearer(const NearTriangle& a, const NearTriangle& b) {
   return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.id < b.id;
 }

@@ -23,94 +23,94 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// One number for each slot: a squared distance that no point of its box falls below, as the bits of a float,
-// which sort as the float does, with the number of the slot in the lowest four.
+// One key per slot: a lower bound of the squared distances to the points of its box. It is the bits of a
+// float, which sort as the float does, with the slot in the lowest four bits.
 struct Keys {
-  using Tag = hn::RebindToUnsigned<Sixteen::Tag>;
+  using Tag = hn::RebindToUnsigned<Float16::Tag>;
   static constexpr std::uint32_t slot_bits = 15;
   static constexpr std::uint32_t none = 0xffffffffu;
-  hn::Vec<Tag> part[Sixteen::parts];
+  hn::Vec<Tag> vector[Float16::vectors];
 };
 
-HWY_INLINE Keys make_keys(const Sixteen& squared_distances) {
+HWY_INLINE Keys make_keys(const Float16& squared_distances) {
   const Keys::Tag tag;
   Keys keys;
-  for (std::size_t i = 0; i < Sixteen::parts; ++i) {
-    const auto bits = hn::BitCast(tag, squared_distances.part[i]);
-    const auto slots = hn::Iota(tag, static_cast<std::uint32_t>(i * Sixteen::lanes));
-    keys.part[i] = hn::Or(hn::And(bits, hn::Set(tag, ~Keys::slot_bits)), slots);
+  for (std::size_t i = 0; i < Float16::vectors; ++i) {
+    const auto bits = hn::BitCast(tag, squared_distances.vector[i]);
+    const auto slots = hn::Iota(tag, static_cast<std::uint32_t>(i * Float16::lanes));
+    keys.vector[i] = hn::Or(hn::And(bits, hn::Set(tag, ~Keys::slot_bits)), slots);
   }
   return keys;
 }
-HWY_INLINE std::uint32_t least(const Keys& keys) {
-  auto least = keys.part[0];
-  for (std::size_t i = 1; i < Sixteen::parts; ++i) least = hn::Min(least, keys.part[i]);
-  return hn::GetLane(hn::MinOfLanes(Keys::Tag(), least));
+HWY_INLINE std::uint32_t min_key(const Keys& keys) {
+  auto lowest = keys.vector[0];
+  for (std::size_t i = 1; i < Float16::vectors; ++i) lowest = hn::Min(lowest, keys.vector[i]);
+  return hn::GetLane(hn::MinOfLanes(Keys::Tag(), lowest));
 }
 HWY_INLINE Keys without(Keys keys, std::uint32_t key) {
   const Keys::Tag tag;
-  for (auto& part : keys.part)
-    part = hn::IfThenElse(hn::Eq(part, hn::Set(tag, key)), hn::Set(tag, Keys::none), part);
+  for (auto& vector : keys.vector)
+    vector = hn::IfThenElse(hn::Eq(vector, hn::Set(tag, key)), hn::Set(tag, Keys::none), vector);
   return keys;
 }
 // Bit i: the key of slot i is not above `limit`.
 HWY_INLINE std::uint32_t not_above(const Keys& keys, std::uint32_t limit) {
   const Keys::Tag tag;
   std::uint32_t above = 0;
-  for (std::size_t i = 0; i < Sixteen::parts; ++i)
-    above |= bits(tag, hn::Gt(keys.part[i], hn::Set(tag, limit))) << (i * Sixteen::lanes);
+  for (std::size_t i = 0; i < Float16::vectors; ++i)
+    above |= bits(tag, hn::Gt(keys.vector[i], hn::Set(tag, limit))) << (i * Float16::lanes);
   return ~above & 0xffffu;
 }
 
-// Distances in single precision, with the world scaled by a power of two to coordinates below 1: no square
-// leaves the range of a float.
+// Distances in single precision. The scene is scaled by a power of two to coordinates below 1, so that no
+// square leaves the range of a float.
 class PointBoxes {
  public:
-  // For `p` at a distance of up to this many extents of the world. From farther away the boxes' distances
-  // come to differ by too little for a float.
-  static constexpr double most_extents = 256.0;
+  // The largest distance of `p`, in extents of the scene. From farther away the distances of boxes differ by
+  // too little for a float.
+  static constexpr double max_extents = 256.0;
 
   HWY_INLINE PointBoxes(const Vec3f& p, const WideBvh& bvh) {
     const float largest = std::max({bvh.largest_coordinate, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     scale_ = std::ldexp(1.0f, std::clamp(-std::ilogb(std::max(largest, 0x1p-100f)) - 1, -127, 100));
-    const Sixteen::Tag tag;
+    const Float16::Tag tag;
     scales_ = hn::Set(tag, scale_);
     for (int axis = 0; axis < 3; ++axis) point_[axis] = hn::Set(tag, p[axis] * scale_);
   }
 
   HWY_INLINE Keys keys(const WideNode& node) const {
-    const Sixteen::Tag tag;
-    Sixteen squares;
-    for (std::size_t i = 0; i < Sixteen::parts; ++i) {
+    const Float16::Tag tag;
+    Float16 squares;
+    for (std::size_t i = 0; i < Float16::vectors; ++i) {
       const auto outside = [&](int axis) HWY_ATTR {
-        const auto lower = hn::LoadU(tag, node.planes[axis][0] + i * Sixteen::lanes);
-        const auto upper = hn::LoadU(tag, node.planes[axis][1] + i * Sixteen::lanes);
+        const auto lower = hn::LoadU(tag, node.planes[axis][0] + i * Float16::lanes);
+        const auto upper = hn::LoadU(tag, node.planes[axis][1] + i * Float16::lanes);
         return hn::Max(
             hn::Max(hn::MulSub(lower, scales_, point_[axis]), hn::NegMulAdd(upper, scales_, point_[axis])),
             hn::Zero(tag));
       };
       const auto x = outside(0), y = outside(1), z = outside(2);
-      squares.part[i] = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
+      squares.vector[i] = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
     }
     return make_keys(squares);
   }
 
-  // What no key exceeds of a box that has a point at `squared_distance`. A key passes a difference, squares
-  // and two sums, at most six roundings of 2^-24; where these are of numbers next to zero, the summand is far
-  // above them.
+  // An upper bound of the key of a box that has a point at `squared_distance`. A key takes a difference,
+  // squares and two sums: at most six roundings of 2^-24. The summand covers roundings of numbers next to
+  // zero.
   HWY_INLINE std::uint32_t limit(double squared_distance) const {
     const double scaled = squared_distance * scale_ * scale_;
-    const double most = std::min(scaled * (1.0 + 0x1p-20) + 0x1p-100, 0x1p127);
-    return std::bit_cast<std::uint32_t>(static_cast<float>(most)) | Keys::slot_bits;
+    const double bound = std::min(scaled * (1.0 + 0x1p-20) + 0x1p-100, 0x1p127);
+    return std::bit_cast<std::uint32_t>(static_cast<float>(bound)) | Keys::slot_bits;
   }
 
  private:
   float scale_;
-  hn::Vec<Sixteen::Tag> scales_, point_[3];
+  hn::Vec<Float16::Tag> scales_, point_[3];
 };
 
-// Distances in double precision, less that of the whole world: for points from which that is nearly all there
-// is.
+// Distances in double precision, minus the distance of the whole scene, for points so far away that it is
+// nearly all of them.
 class FarPointBoxes {
  public:
   HWY_INLINE FarPointBoxes(const Vec3f& p, const WideBvh& bvh)
@@ -125,9 +125,9 @@ class FarPointBoxes {
     return make_keys(load<16>(keys));
   }
   HWY_INLINE std::uint32_t limit(double squared_distance) const {
-    const double most =
+    const double bound =
         std::min((squared_distance - nearest_) * scale_ * (1.0 + 0x1p-20) + 0x1p-100, 0x1p127);
-    return std::bit_cast<std::uint32_t>(static_cast<float>(std::max(most, 0.0))) | Keys::slot_bits;
+    return std::bit_cast<std::uint32_t>(static_cast<float>(std::max(bound, 0.0))) | Keys::slot_bits;
   }
 
  private:

@@ -16,17 +16,16 @@
 
 #include "traversal/points/point_boxes-inl.h"
 #include "traversal/points/point_triangles-inl.h"
-#include "traversal/query_kernels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Into the nearest child first, until no box that is left is as near as the best triangle.
+// Visits the nearest child first, until no box that is left is as near as the best triangle.
 template <class Boxes>
 HWY_INLINE bool find_closest(const WideBvh& bvh, const Vec3f& point, double reach, NearTriangle& best) {
-  // A node with children that have not been visited.
+  // A node some of whose children have not been visited.
   struct Open {
     const WideNode* node;
     Keys keys;
@@ -39,7 +38,7 @@ HWY_INLINE bool find_closest(const WideBvh& bvh, const Vec3f& point, double reac
   std::uint32_t limit = boxes.limit(reach);
   Open open{bvh.nodes.data(), boxes.keys(bvh.nodes.front())};
   while (true) {
-    const std::uint32_t key = least(open.keys);
+    const std::uint32_t key = min_key(open.keys);
     if (key > limit) {
       if (depth == 0) return any;
       open = waiting[--depth];
@@ -84,11 +83,11 @@ HWY_INLINE void find_within(const WideBvh& bvh, const Vec3f& point, double reach
   }
 }
 
-// Whether the world, seen from `point`, is too small for `PointBoxes`.
+// Whether the scene is too far from `point` for `PointBoxes`.
 bool is_far(const WideBvh& bvh, const Vec3f& point) {
   const Vec3d extents = difference(bvh.bounds.upper, bvh.bounds.lower);
-  const double most = PointBoxes::most_extents * std::max({extents.x, extents.y, extents.z});
-  return squared_distance(point, bvh.bounds) > most * most;
+  const double limit = PointBoxes::max_extents * std::max({extents.x, extents.y, extents.z});
+  return squared_distance(point, bvh.bounds) > limit * limit;
 }
 
 }  // namespace

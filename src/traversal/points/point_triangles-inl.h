@@ -29,8 +29,9 @@ struct ClosestPoints {
   DoubleVector squared_distance, u, v;
 };
 
-// The closest point of the edge between two corners, given as differences from the point: `s` of the way
-// from `from` to `to`. From the nearer end, which is exact there.
+// The squared distance of the edge between two corners, which are given relative to the point. The closest
+// point lies `s` of the way from `from` to `to`. It is computed from the nearer end, so that it is exact at
+// both ends.
 HWY_INLINE DoubleVector closest_on_edge(const Vec3Doubles& from, const Vec3Doubles& to,
                                         const Vec3Doubles& edge, DoubleVector& s) {
   const DoubleTag tag;
@@ -39,9 +40,10 @@ HWY_INLINE DoubleVector closest_on_edge(const Vec3Doubles& from, const Vec3Doubl
   const auto foot = hn::Div(hn::Neg(dot(from, edge)), length);
   s = hn::IfThenElseZero(hn::Lt(zero, length), hn::Min(hn::Max(foot, zero), one));
   const auto near_from = hn::Le(s, hn::Set(tag, 0.5));
-  const auto way = hn::IfThenElse(near_from, s, hn::Sub(s, one));
-  const auto on_edge = [&](DoubleVector a, DoubleVector b, DoubleVector e)
-                           HWY_ATTR { return hn::Add(hn::IfThenElse(near_from, a, b), hn::Mul(way, e)); };
+  const auto from_end = hn::IfThenElse(near_from, s, hn::Sub(s, one));
+  const auto on_edge = [&](DoubleVector a, DoubleVector b, DoubleVector e) HWY_ATTR {
+    return hn::Add(hn::IfThenElse(near_from, a, b), hn::Mul(from_end, e));
+  };
   const Vec3Doubles q{on_edge(from.x, to.x, edge.x), on_edge(from.y, to.y, edge.y),
                       on_edge(from.z, to.z, edge.z)};
   return dot(q, q);
@@ -78,7 +80,7 @@ class PointTriangles {
   }
 
  private:
-  // Corners as differences from the point, edges as differences of corners.
+  // Corners are relative to the point, edges are differences of corners.
   struct Corners {
     Vec3Doubles a, b, c, ab, bc, ca;
   };
@@ -89,13 +91,12 @@ class PointTriangles {
     return {a - point_, b - point_, c - point_, b - a, c - b, a - c};
   }
 
-  // Whether the plane of a triangle, and so the triangle, is farther than the square root of `reach`. False
-  // where rounding leaves that open.
+  // Whether the plane of a triangle, and thus the triangle, is farther away than the square root of `reach`.
+  // False where rounding leaves that open.
   HWY_INLINE static hn::Mask<DoubleTag> plane_is_beyond(const Corners& corners, DoubleVector reach) {
     const DoubleTag tag;
     const Vec3Doubles normal = cross(corners.ca, corners.ab);
-    // Some ten roundings of 2^-53 on products of these sizes; of a sliver they are most of what the normal
-    // is.
+    // Some ten roundings of 2^-53 on products of these sizes. They may be larger than the normal of a sliver.
     constexpr double rounding = 32.0 / 9007199254740992.0;
     const auto error = hn::Mul(hn::Set(tag, rounding), hn::Mul(size(corners.ab), size(corners.ca)));
     const auto height = hn::Sub(hn::Abs(dot(normal, corners.a)), hn::Mul(error, size(corners.a)));
@@ -106,8 +107,8 @@ class PointTriangles {
     return hn::And(hn::Lt(hn::Zero(tag), height), hn::Lt(hn::Mul(reach, square), hn::Mul(height, height)));
   }
 
-  // The closest of the three edges' points, or the foot of the perpendicular where that falls inside. Slivers
-  // keep their accuracy: an edge's point needs no division by the triangle's area.
+  // The closest point of the three edges, or the foot of the perpendicular where that falls inside. Slivers
+  // keep their accuracy, since the closest point of an edge needs no division by the triangle's area.
   HWY_INLINE static ClosestPoints closest_points(const Corners& corners) {
     const DoubleTag tag;
     const auto zero = hn::Zero(tag);

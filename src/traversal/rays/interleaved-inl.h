@@ -1,4 +1,4 @@
-// Many rays by turns on one core.
+// Many rays in flight, interleaved on one core.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_RAYS_INTERLEAVED_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -27,17 +27,17 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // A single ray spends most of its time waiting: for a node from memory, for a mask to become an address, for
-// a mispredicted branch. Here a few rays are in flight, each with its own stack. Every round takes all that
-// are at a node one step further, then all that are at a leaf. A step has no branch that depends on the ray:
-// it pushes what it meets, pops the nearest, and puts the ray down in the list for a node or the list for a
-// leaf; and what it needs next is on its way from memory while the others have their turn.
+// a mispredicted branch. Here several rays are in flight, each with its own stack. Every round takes all rays
+// that are at a node one step further, then all that are at a leaf. A step has no branch that depends on the
+// ray: it pushes the children that it meets, pops the nearest, and enters the ray into the list for nodes or
+// the list for leaves. What the ray needs next is prefetched while the others take their steps.
 //
-// When a hit comes nearer, all of a ray's stack is culled at once, so that pops need not look at t.
+// When a nearer hit is found, the whole stack of the ray is culled at once, so that pops need not compare t.
 template <bool any_hit>
 class Interleaved {
   static constexpr std::uint32_t width = 16;  // rays in flight
 
-  struct Lane {
+  struct RayState {
     WideRay ray;
     StoredNodeConstants node_constants;
     Hit best;
@@ -47,8 +47,8 @@ class Interleaved {
     Stack<1> stack;
   };
 
-  // The lanes that are at a node, and those that are at a leaf or at the end; behind the last there is room
-  // to write.
+  // The rays that are at a node, and those that are at a leaf or at the end of their stack. Behind the last
+  // there is room for one more to be written.
   struct Lists {
     std::uint32_t nodes = 0, leaves = 0;
     std::uint32_t at_node[width + 1], at_leaf[width + 1];
@@ -59,122 +59,122 @@ class Interleaved {
   HWY_INLINE Interleaved(const WideBvh& bvh, const Ray* rays, const std::uint32_t* which, std::size_t count)
       : bvh_(bvh), rays_(rays), which_(which), count_(count) {}
 
-  // `finish(which[i], hit)` is called once for each ray, in any order, and returns nothing; `single(ray)`
-  // traces the few that are not fit for this.
+  // `finish(which[i], hit)` is called once per ray, in any order. `single(ray)` traces the few rays that have
+  // to be scaled.
   template <class Finish, class Single>
   HWY_INLINE void run(Finish&& finish, Single&& single) {
     Lists lists;
     for (std::uint32_t i = 0; i < width; ++i) start(i, lists, finish, single);
     while (lists.nodes + lists.leaves > 0) {
-      const Lists turn = lists;
+      const Lists round = lists;
       lists.nodes = lists.leaves = 0;
-      for (std::uint32_t i = 0; i < turn.nodes; ++i) step(turn.at_node[i], lists);
-      for (std::uint32_t i = 0; i < turn.leaves; ++i) {
-        const std::uint32_t number = turn.at_leaf[i];
-        if (lanes_[number].link == Stack<1>::bottom) {
-          finish(lanes_[number].result, lanes_[number].best);
-          start(number, lists, finish, single);
+      for (std::uint32_t i = 0; i < round.nodes; ++i) step(round.at_node[i], lists);
+      for (std::uint32_t i = 0; i < round.leaves; ++i) {
+        const std::uint32_t index = round.at_leaf[i];
+        if (states_[index].link == Stack<1>::bottom) {
+          finish(states_[index].result, states_[index].best);
+          start(index, lists, finish, single);
         } else {
-          test(number, lists);
+          test(index, lists);
         }
       }
     }
   }
 
  private:
-  // Puts the next ray into the lane, if there is one.
+  // Starts the next ray in this place, if there is one.
   template <class Finish, class Single>
-  HWY_INLINE void start(std::uint32_t number, Lists& lists, Finish&& finish, Single&& single) {
-    Lane& lane = lanes_[number];
+  HWY_INLINE void start(std::uint32_t index, Lists& lists, Finish&& finish, Single&& single) {
+    RayState& state = states_[index];
     while (next_ < count_) {
       const std::uint32_t i = which_[next_++];
       const Ray& ray = rays_[i];
-      if (HWY_UNLIKELY(!set_up(ray, bvh_, lane.ray))) {
+      if (HWY_UNLIKELY(!set_up(ray, bvh_, state.ray))) {
         finish(i, single(ray));
         continue;
       }
-      lane.node_constants.set(lane.ray);
-      lane.best = Hit{};
+      state.node_constants.set(state.ray);
+      state.best = Hit{};
       if (!(ray.t_min <= ray.t_max)) {
-        finish(i, lane.best);
+        finish(i, state.best);
         continue;
       }
-      lane.best.t = std::min(ray.t_max, std::numeric_limits<float>::max());
-      lane.result = i;
-      lane.stack.link[0] = Stack<1>::bottom;
-      lane.stack.t[0] = -std::numeric_limits<float>::infinity();
-      lane.depth = 1;
-      put_down(number, ChildLink::node(0).bits(), lists);
+      state.best.t = std::min(ray.t_max, std::numeric_limits<float>::max());
+      state.result = i;
+      state.stack.link[0] = Stack<1>::bottom;
+      state.stack.t[0] = -std::numeric_limits<float>::infinity();
+      state.depth = 1;
+      enlist(index, ChildLink::node(0).bits(), lists);
       return;
     }
   }
 
-  HWY_INLINE void put_down(std::uint32_t number, std::uint32_t link, Lists& lists) {
-    lanes_[number].link = link;
+  HWY_INLINE void enlist(std::uint32_t index, std::uint32_t link, Lists& lists) {
+    states_[index].link = link;
     const ChildLink child(link);
     const std::uint32_t leaf = child.is_leaf();
-    lists.at_node[lists.nodes] = number;
-    lists.at_leaf[lists.leaves] = number;
+    lists.at_node[lists.nodes] = index;
+    lists.at_leaf[lists.leaves] = index;
     lists.nodes += 1 - leaf;
     lists.leaves += leaf;
     const auto node_address =
         reinterpret_cast<std::uintptr_t>(bvh_.nodes.data()) + std::size_t{link} * sizeof(WideNode);
     const auto leaf_address =
         reinterpret_cast<std::uintptr_t>(bvh_.leaves.data() + words_per_triangle * child.first());
-    // Written without a choice, for which compilers would put a branch that no machine predicts.
+    // Without ?:, which compilers translate to a branch that no machine predicts.
     const std::uintptr_t address =
         node_address ^ ((node_address ^ leaf_address) & (std::uintptr_t{0} - leaf));
     for (std::size_t line = 0; line < 8; ++line)
       hwy::Prefetch(reinterpret_cast<const char*>(address + 64 * line));
   }
 
-  HWY_INLINE void step(std::uint32_t number, Lists& lists) {
-    Lane& lane = lanes_[number];
-    const WideNode& node = bvh_.nodes[lane.link];
-    const Spans spans = meet_boxes(lane.node_constants, box_vector(lane.best.t), node);
-    const std::size_t before = lane.depth;
+  HWY_INLINE void step(std::uint32_t index, Lists& lists) {
+    RayState& state = states_[index];
+    const WideNode& node = bvh_.nodes[state.link];
+    const Spans spans = meet_boxes(state.node_constants, box_vector(state.best.t), node);
+    const std::size_t before = state.depth;
     std::size_t depth = before;
-    const std::uint32_t older = lane.stack.link[before - 1];
+    const std::uint32_t older = state.stack.link[before - 1];
     std::uint32_t nearest;
-    push_children<any_hit>(node, spans, lane.ray.octant, lane.stack, depth, nearest);
-    lane.depth = depth - 1;
-    put_down(number, depth > before ? nearest : older, lists);
+    push_children<any_hit>(node, spans, state.ray.octant, state.stack, depth, nearest);
+    state.depth = depth - 1;
+    enlist(index, depth > before ? nearest : older, lists);
   }
 
-  HWY_INLINE void pop(std::uint32_t number, Lists& lists) {
-    Lane& lane = lanes_[number];
-    put_down(number, lane.stack.link[--lane.depth], lists);
+  HWY_INLINE void pop(std::uint32_t index, Lists& lists) {
+    RayState& state = states_[index];
+    enlist(index, state.stack.link[--state.depth], lists);
   }
 
-  HWY_INLINE void test(std::uint32_t number, Lists& lists) {
-    Lane& lane = lanes_[number];
-    const ChildLink leaf(lane.link);
-    const LeafConstants constants(lane.ray);
-    if (intersect_leaf<any_hit>(constants, bvh_, leaf, rays_[lane.result], lane.best)) {
+  HWY_INLINE void test(std::uint32_t index, Lists& lists) {
+    RayState& state = states_[index];
+    const ChildLink leaf(state.link);
+    const LeafConstants constants(state.ray);
+    if (intersect_leaf<any_hit>(constants, bvh_, leaf, rays_[state.result], state.best)) {
       if constexpr (any_hit) {
-        lane.depth = 1;
+        state.depth = 1;
       } else {
-        cull(lane);
+        cull(state);
       }
     }
-    pop(number, lists);
+    pop(index, lists);
   }
 
-  // Takes what lies behind the hit off the stack.
-  HWY_INLINE void cull(Lane& lane) {
+  // Removes what lies behind the hit from the stack.
+  HWY_INLINE void cull(RayState& state) {
     const FloatTag floats;
     const hn::RebindToUnsigned<FloatTag> integers;
-    const auto t_best = hn::Set(floats, lane.best.t);
+    const auto t_best = hn::Set(floats, state.best.t);
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < lane.depth; i += hn::Lanes(floats)) {
-      const auto t = hn::LoadU(floats, lane.stack.t + i);
-      const auto link = hn::LoadU(integers, lane.stack.link + i);
-      const auto keep = hn::And(hn::Le(t, t_best), hn::FirstN(floats, lane.depth - i));
-      hn::StoreU(compress(t, keep), floats, lane.stack.t + kept);
-      hn::StoreU(compress(link, keep), integers, lane.stack.link + kept);
+    for (std::size_t i = 0; i < state.depth; i += hn::Lanes(floats)) {
+      const auto t = hn::LoadU(floats, state.stack.t + i);
+      const auto link = hn::LoadU(integers, state.stack.link + i);
+      const auto keep = hn::And(hn::Le(t, t_best), hn::FirstN(floats, state.depth - i));
+      hn::StoreU(compress(t, keep), floats, state.stack.t + kept);
+      hn::StoreU(compress(link, keep), integers, state.stack.link + kept);
       kept += hn::CountTrue(floats, keep);
     }
-    lane.depth = kept;
+    state.depth = kept;
   }
 
   const WideBvh& bvh_;
@@ -182,7 +182,7 @@ class Interleaved {
   const std::uint32_t* which_;
   std::size_t count_;
   std::size_t next_ = 0;
-  Lane lanes_[width];
+  RayState states_[width];
 };
 
 }  // namespace

@@ -22,22 +22,22 @@ namespace HWY_NAMESPACE {
 namespace {
 
 struct Sheared {
-  Eight x, y, z;
+  Float8 x, y, z;
 };
 
 HWY_INLINE Sheared shear(const LeafConstants& ray, const float* vertex_rows, std::size_t count) {
-  const Eight z = load(vertex_rows + ray.axis[2] * count) - ray.origin[2];
+  const Float8 z = load(vertex_rows + ray.axis[2] * count) - ray.origin[2];
   return {load(vertex_rows + ray.axis[0] * count) - ray.origin[0] - ray.sx * z,
           load(vertex_rows + ray.axis[1] * count) - ray.origin[1] - ray.sy * z, z};
 }
 
-// Whether the hit at t comes before `best`: of equal ones the triangle with the lowest number does.
+// Whether the hit at t comes before `best`. At the same t, the triangle with the lower number does.
 HWY_INLINE bool is_before(float t, std::uint32_t primitive, const Hit& best) {
   return t < best.t || (t == best.t && primitive < best.primitive);
 }
 
-// The triangles in `lanes` one by one: for the few that single precision leaves open. Out of line, and with
-// nothing by reference that is in registers otherwise.
+// Tests the triangles in `lanes` one by one: the few that single precision leaves open. Out of line, and
+// without references to what would then no longer be kept in registers.
 HWY_NOINLINE HWY_ATTR Hit intersect_one_by_one(const WideBvh& bvh, ChildLink leaf, std::uint32_t lanes,
                                                const Ray& ray, float t_min, Hit best) {
   const RayShear shear(ray.direction);
@@ -51,8 +51,8 @@ HWY_NOINLINE HWY_ATTR Hit intersect_one_by_one(const WideBvh& bvh, ChildLink lea
   return best;
 }
 
-// `intersect_triangle` on all triangles of a leaf at once, operation by operation. Returns whether `best`
-// changed; where any hit will do, that is all that `best` tells.
+// The operations of `intersect_triangle`, in its order, for all triangles of a leaf at once. Returns whether
+// `best` changed. For `any_hit`, t, u and v of `best` are not written.
 template <bool any_hit>
 HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
                                const Ray& ray, Hit& best) {
@@ -62,24 +62,24 @@ HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bv
   const float* rows = reinterpret_cast<const float*>(words);
   const Sheared a = shear(constants, rows, count), b = shear(constants, rows + 3 * count, count),
                 c = shear(constants, rows + 6 * count, count);
-  const Eight u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
-              w = difference_of_products(b.x, a.y, b.y, a.x);
-  const Eight least = minimum(minimum(u, v), w), greatest = maximum(maximum(u, v), w);
+  const Float8 u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
+               w = difference_of_products(b.x, a.y, b.y, a.x);
+  const Float8 min_edge = minimum(minimum(u, v), w), max_edge = maximum(maximum(u, v), w);
   std::uint32_t candidates = (1u << count) - 1;
   candidates &=
-      ~(less(least, broadcast(-Limits::least_sign)) & less(broadcast(Limits::least_sign), greatest));
+      ~(less(min_edge, broadcast(-Limits::least_sign)) & less(broadcast(Limits::least_sign), max_edge));
   if (candidates == 0) return false;
 
   const std::uint32_t trusted =
-      less(constants.least_value, least) | less(greatest, broadcast(0.0f) - constants.least_value);
+      less(constants.min_value, min_edge) | less(max_edge, broadcast(0.0f) - constants.min_value);
   bool changed = false;
   if (HWY_UNLIKELY((candidates & ~trusted) != 0)) {
     const Hit hit = intersect_one_by_one(bvh, leaf, candidates & ~trusted, ray, constants.t_min, best);
     changed = hit.t != best.t || hit.primitive != best.primitive;
     best = hit;
   }
-  const Eight inverse = broadcast(1.0f) / (u + v + w);
-  const Eight t = (u * a.z + v * b.z + w * c.z) * inverse * constants.inverse_dz;
+  const Float8 inverse = broadcast(1.0f) / (u + v + w);
+  const Float8 t = (u * a.z + v * b.z + w * c.z) * inverse * constants.inverse_dz;
   std::uint32_t hits = candidates & trusted & less_or_equal(broadcast(constants.t_min), t) &
                        less_or_equal(t, broadcast(best.t));
   if (hits == 0) return changed;

@@ -1,4 +1,4 @@
-// A ray against the sixteen boxes of a node.
+// A ray and the sixteen boxes of a node.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_RAYS_NODE_STEP_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -25,30 +25,32 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Open nodes and leaves, with the distance at which the ray enters them, for a traversal that takes up to
-// `nodes_a_step` entries off the top at once. Children lie above what is not as deep, so that all entries of
-// a depth came in one step: sixteen for each node of it, one of which at least has been taken since but at
-// the greatest depth. Sixteen are written at a time.
-template <std::size_t nodes_a_step>
+// Open nodes and leaves, with the distances at which the ray enters them, for a traversal that takes up to
+// `nodes_per_step` entries off the top at once.
+//
+// Its capacity: children lie above everything that is less deep, so that all entries of a depth were pushed
+// in one step, sixteen for each of its nodes. Except at the maximum depth, at least one of them has been
+// taken since. Sixteen entries are written at a time.
+template <std::size_t nodes_per_step>
 struct Stack {
   static constexpr std::size_t capacity =
-      (nodes_a_step * wide_node_children - 1) * max_tree_depth + 2 * wide_node_children;
+      (nodes_per_step * wide_node_children - 1) * max_tree_depth + 2 * wide_node_children;
   static constexpr std::uint32_t bottom =
-      0xffffffffu;  // below the first entry: like a leaf, but no leaf has it
+      0xffffffffu;  // below the first entry: looks like a leaf, but no leaf has this link
   std::uint32_t link[capacity];
   float t[capacity];
 };
 
-// Where the ray enters and leaves each of the boxes: it meets those with first <= last.
+// Where the ray enters and leaves each box. It meets those with first <= last.
 struct Spans {
-  Sixteen first, last;
+  Float16 first, last;
 };
 
 HWY_INLINE BoxVector box_vector(BoxVector a) {
   return a;
 }
 HWY_INLINE BoxVector box_vector(float a) {
-  return hn::Set(Sixteen::Tag(), a);
+  return hn::Set(Float16::Tag(), a);
 }
 
 template <class Constants>
@@ -56,17 +58,17 @@ HWY_INLINE Spans meet_boxes(const Constants& ray, BoxVector t_best, const WideNo
   const BoxVector inverse_x = box_vector(ray.inverse[0]), inverse_y = box_vector(ray.inverse[1]),
                   inverse_z = box_vector(ray.inverse[2]);
   Spans spans;
-  for (std::size_t i = 0; i < Sixteen::parts; ++i) {
-    const float* planes = &node.planes[0][0][0] + i * Sixteen::lanes;
-    const auto at = [planes](std::uint32_t row) HWY_ATTR { return hn::LoadU(Sixteen::Tag(), planes + row); };
+  for (std::size_t i = 0; i < Float16::vectors; ++i) {
+    const float* planes = &node.planes[0][0][0] + i * Float16::lanes;
+    const auto at = [planes](std::uint32_t row) HWY_ATTR { return hn::LoadU(Float16::Tag(), planes + row); };
     const BoxVector first_x = hn::MulAdd(at(ray.near[0]), inverse_x, box_vector(ray.enter[0]));
     const BoxVector first_y = hn::MulAdd(at(ray.near[1]), inverse_y, box_vector(ray.enter[1]));
     const BoxVector first_z = hn::MulAdd(at(ray.near[2]), inverse_z, box_vector(ray.enter[2]));
     const BoxVector last_x = hn::MulAdd(at(ray.far[0]), inverse_x, box_vector(ray.leave[0]));
     const BoxVector last_y = hn::MulAdd(at(ray.far[1]), inverse_y, box_vector(ray.leave[1]));
     const BoxVector last_z = hn::MulAdd(at(ray.far[2]), inverse_z, box_vector(ray.leave[2]));
-    spans.first.part[i] = hn::Max(hn::Max(first_x, first_y), hn::Max(first_z, box_vector(ray.t_min)));
-    spans.last.part[i] = hn::Min(hn::Min(last_x, last_y), hn::Min(last_z, t_best));
+    spans.first.vector[i] = hn::Max(hn::Max(first_x, first_y), hn::Max(first_z, box_vector(ray.t_min)));
+    spans.last.vector[i] = hn::Min(hn::Min(last_x, last_y), hn::Min(last_z, t_best));
   }
   return spans;
 }
@@ -74,7 +76,7 @@ HWY_INLINE Spans meet_boxes(const Constants& ray, BoxVector t_best, const WideNo
 #if KERF_FLOAT_LANES == 16
 // The slots from far to near.
 HWY_INLINE auto far_to_near_slots(const WideNode& node, std::uint32_t octant) {
-  const hn::RebindToUnsigned<Sixteen::Tag> integers;
+  const hn::RebindToUnsigned<Float16::Tag> integers;
   alignas(64) static constexpr std::uint32_t shifts[16] = {28, 24, 20, 16, 12, 8, 4, 0,
                                                            28, 24, 20, 16, 12, 8, 4, 0};
   const std::uint64_t order = node.order[octant];
@@ -84,12 +86,12 @@ HWY_INLINE auto far_to_near_slots(const WideNode& node, std::uint32_t octant) {
   return hn::And(hn::Shr(words, hn::Load(integers, shifts)), hn::Set(integers, 15u));
 }
 #else
-// The slots that are met, behind them others: room to write eight at a time.
+// The slots that are met, and room behind them: eight are written at a time.
 struct MetSlots {
   alignas(16) std::uint8_t slot[wide_node_children + 8] = {};
 };
 
-// From the lowest up.
+// In ascending order.
 HWY_INLINE void list_met(std::uint32_t met, MetSlots& to) {
 #if KERF_FLOAT_LANES == 1
   std::size_t end = 0;
@@ -136,17 +138,17 @@ HWY_INLINE void list_met(std::uint32_t met, std::uint64_t order, MetSlots& to) {
 }
 #endif
 
-// Pushes the children that are met, the nearest last (any_hit: the last slot last, and without t), and says
-// which that is. `depth` grows by their number, which may be 0: then `nearest` means nothing.
-template <bool any_hit, std::size_t nodes_a_step>
+// Pushes the children that are met, the nearest last, and returns it in `nearest`; for `any_hit`, the last
+// slot last, and without t. `depth` grows by their number. If that is 0, `nearest` means nothing.
+template <bool any_hit, std::size_t nodes_per_step>
 HWY_INLINE void push_children(const WideNode& node, const Spans& spans, std::uint32_t octant,
-                              Stack<nodes_a_step>& stack, std::size_t& depth, std::uint32_t& nearest) {
+                              Stack<nodes_per_step>& stack, std::size_t& depth, std::uint32_t& nearest) {
   const std::uint32_t met = less_or_equal(spans.first, spans.last);
 #if KERF_FLOAT_LANES == 16
-  const Sixteen::Tag floats;
-  const hn::RebindToUnsigned<Sixteen::Tag> integers;
+  const Float16::Tag floats;
+  const hn::RebindToUnsigned<Float16::Tag> integers;
   const auto links = hn::LoadU(integers, reinterpret_cast<const std::uint32_t*>(node.children));
-  const auto first = spans.first.part[0], last = spans.last.part[0];
+  const auto first = spans.first.vector[0], last = spans.last.vector[0];
   if constexpr (any_hit) {
     hn::StoreU(compress(links, hn::Le(first, last)), integers, stack.link + depth);
     nearest = node.children[31 - std::countl_zero(met | 1)].bits();
@@ -177,7 +179,7 @@ HWY_INLINE void push_children(const WideNode& node, const Spans& spans, std::uin
     if constexpr (!any_hit) stack.t[depth + i] = t[slots.slot[i]];
   };
   const auto count = static_cast<std::size_t>(std::popcount(met));
-  for (std::size_t i = 0; i < 4; ++i) push(i);  // seldom more
+  for (std::size_t i = 0; i < 4; ++i) push(i);  // more are rare
   for (std::size_t i = 4; i < count; ++i) push(i);
   depth += count;
   nearest = stack.link[depth - 1];

@@ -1,4 +1,4 @@
-// Rays that keep together, traced together.
+// Coherent rays, traced as a packet.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_RAYS_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -22,7 +22,7 @@
 #include "traversal/rays/node_step-inl.h"
 #include "traversal/rays/wide_ray-inl.h"
 
-// With fewer lanes, packets are slower than rays one after another.
+// Whether there are packets: with shorter vectors they are slower than single rays.
 #define KERF_PACKETS (KERF_FLOAT_LANES >= 8 && HWY_NATIVE_FMA)
 #if KERF_PACKETS
 HWY_BEFORE_NAMESPACE();
@@ -36,12 +36,12 @@ HWY_INLINE std::uint32_t far_to_near(const WideNode& node, const Spans& spans, s
   const std::uint32_t met = less_or_equal(spans.first, spans.last);
   const auto count = static_cast<std::uint32_t>(std::popcount(met));
 #if KERF_FLOAT_LANES == 16
-  const Sixteen::Tag floats;
-  const hn::RebindToUnsigned<Sixteen::Tag> integers;
+  const Float16::Tag floats;
+  const hn::RebindToUnsigned<Float16::Tag> integers;
   const auto slots = far_to_near_slots(node, octant);
   const auto float_slots = hn::IndicesFromVec(floats, slots);
-  const auto mask = hn::Le(hn::TableLookupLanes(spans.first.part[0], float_slots),
-                           hn::TableLookupLanes(spans.last.part[0], float_slots));
+  const auto mask = hn::Le(hn::TableLookupLanes(spans.first.vector[0], float_slots),
+                           hn::TableLookupLanes(spans.last.vector[0], float_slots));
   hn::StoreU(compress(slots, mask), integers, out);
 #else
   MetSlots slots;
@@ -51,10 +51,10 @@ HWY_INLINE std::uint32_t far_to_near(const WideNode& node, const Spans& spans, s
   return count;
 }
 
-// As many rays as a vector has lanes, whose directions lie in one octant, are largest along the same axis and
-// differ little. A node's sixteen boxes are tested against the bundle as a whole, in interval arithmetic
-// (after Reshetov, Soupikov & Hurley 2005, "Multi-Level Ray Tracing Algorithm"); those that it may meet,
-// against its rays, a box at a time; and the triangles of a leaf against its rays, a triangle at a time.
+// As many rays as a vector has lanes. Their directions lie in one octant, are largest along the same axis and
+// differ little. The sixteen boxes of a node are tested against the packet as a whole, in interval arithmetic
+// (after Reshetov, Soupikov & Hurley 2005, "Multi-Level Ray Tracing Algorithm"). The boxes that it may meet
+// are tested against its rays, one box at a time; so are the triangles of a leaf, one triangle at a time.
 template <bool any_hit>
 class Packet {
   using Tag = hn::ScalableTag<float>;
@@ -67,7 +67,7 @@ class Packet {
 
   explicit Packet(const WideBvh& bvh) : bvh_(bvh) {}
 
-  // Takes `width` rays. False if they do not keep together, or are not fit for this.
+  // Takes `width` rays. False if they are not coherent, or if one of them has to be scaled.
   HWY_INLINE bool set(const Ray* rays) {
     const Tag tag;
     V origin[3], direction[3], absolute[3], t_min, t_max;
@@ -90,7 +90,7 @@ class Packet {
     const V largest = hn::Max(hn::Max(absolute[0], absolute[1]), absolute[2]);
     fit &= hn::AllTrue(tag, hn::And(hn::Lt(hn::Set(tag, PreparedRay::shortest), largest),
                                     hn::Lt(largest, hn::Set(tag, PreparedRay::longest))));
-    // The axis of the largest component as in RayShear: of equal ones the last.
+    // The axis of the largest component as in `RayShear`: of several, the last.
     std::size_t kz = 2;
     while (kz > 0 && !hn::AllTrue(tag, hn::Eq(absolute[kz], largest))) {
       fit &= hn::AllFalse(tag, hn::Eq(absolute[kz], largest));
@@ -98,9 +98,8 @@ class Packet {
     }
     fit &= hn::AllTrue(tag, hn::Eq(absolute[kz], largest));
     const float length2_first = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    fit &=
-        hn::AllTrue(tag, hn::Le(hn::Mul(length2, hn::Set(tag, least_cosine * least_cosine * length2_first)),
-                                hn::Mul(along, along)));
+    fit &= hn::AllTrue(tag, hn::Le(hn::Mul(length2, hn::Set(tag, min_cosine * min_cosine * length2_first)),
+                                   hn::Mul(along, along)));
     if (!fit) return false;
 
     const float lower[3] = {bvh_.bounds.lower.x, bvh_.bounds.lower.y, bvh_.bounds.lower.z};
@@ -114,22 +113,22 @@ class Packet {
       spread = std::max(spread, origin_high_[a] - origin_low_[a]);
       extent = std::max(extent, upper[a] - lower[a]);
     }
-    if (!(spread <= greatest_spread * extent)) return false;
+    if (!(spread <= max_spread * extent)) return false;
     const V margin = boxes_margin(tag, distance, bvh_);
-    float least_margin, bundle_margin;
-    find_range(hn::Add(margin, margin), least_margin,
-               bundle_margin);  // twice: also for the bundle's own rounding
-    const V least = hn::Mul(largest, hn::Set(tag, 0x1p-26f));
+    float min_margin, max_margin;
+    find_range(hn::Add(margin, margin), min_margin,
+               max_margin);  // twice: for the rounding of the interval arithmetic as well
+    const V min_component = hn::Mul(largest, hn::Set(tag, 0x1p-26f));
     for (std::size_t a = 0; a < 3; ++a) {
-      const V positive = hn::Div(hn::Set(tag, 1.0f), hn::Max(absolute[a], least));
+      const V positive = hn::Div(hn::Set(tag, 1.0f), hn::Max(absolute[a], min_component));
       inverse_[a] = hn::CopySign(positive, direction[a]);
       const V product = hn::Mul(origin[a], inverse_[a]), grown = hn::Mul(margin, positive);
       enter_[a] = hn::Sub(hn::Neg(product), grown);
       leave_[a] = hn::Sub(grown, product);
       inverse_low_[a] = hn::GetLane(hn::MinOfLanes(tag, inverse_[a]));
       inverse_high_[a] = hn::GetLane(hn::MaxOfLanes(tag, inverse_[a]));
-      origin_low_[a] -= bundle_margin;
-      origin_high_[a] += bundle_margin;
+      origin_low_[a] -= max_margin;
+      origin_high_[a] += max_margin;
       const std::size_t negative = (octant_ >> a) & 1;
       near_[a] = (2 * a + negative) * wide_node_children;
       far_[a] = (2 * a + 1 - negative) * wide_node_children;
@@ -154,7 +153,7 @@ class Packet {
     return true;
   }
 
-  // Traces the rays that were set, and says what `finish(lane, hit)` is to do with each.
+  // Traces the rays that were set. `finish(lane, hit)` is called once per ray.
   template <class Finish>
   HWY_INLINE void run(Finish&& finish) {
     const Tag tag;
@@ -184,22 +183,22 @@ class Packet {
     }
   }
 
-  // Whether, of the last packet, enough rays were at the same nodes for this to be worth it.
-  bool kept_together() const { return active_ >= least_active * visits_; }
+  // Whether enough rays of the last packet visited the same nodes for it to be worth while.
+  bool was_coherent() const { return active_ >= min_active * visits_; }
 
  private:
-  // Rays further apart than this meet different nodes soon (primary rays of neighbouring pixels are within 3
-  // degrees).
-  static constexpr float least_cosine = 0.966f;
-  static constexpr float greatest_spread = 0x1p-6f;  // of origins, in extents of the scene
+  // Rays with a larger angle between them soon visit different nodes (primary rays of neighbouring pixels are
+  // within 3 degrees).
+  static constexpr float min_cosine = 0.966f;
+  static constexpr float max_spread = 0x1p-6f;  // of origins, in extents of the scene
 
-  // A step of the packet costs about what steps of this many interleaved rays do.
-  static constexpr std::uint64_t least_active = 4;
+  // A step of the packet costs about as much as the steps of this many interleaved rays.
+  static constexpr std::uint64_t min_active = 4;
 
   struct alignas(64) Entry {
     float t[width];
     std::uint32_t link;
-    std::uint8_t rays[8];  // a bit for each that enters
+    std::uint8_t rays[8];  // a bit for each ray that enters
   };
 
   // A ray is eight floats: ox oy oz dx dy dz t_min t_max.
@@ -207,8 +206,8 @@ class Packet {
     static_assert(sizeof(Ray) == 8 * sizeof(float));
     const Tag tag;
     const float* floats = &rays[0].origin.x;
-    V a[4],
-        b[4];  // of the first and the second half of the rays: a[i] has floats i and i + 4 of each by turns
+    // Of the first and the second half of the rays: a[i] has floats i and i + 4 of each ray, alternating.
+    V a[4], b[4];
     hn::LoadInterleaved4(tag, floats, a[0], a[1], a[2], a[3]);
     hn::LoadInterleaved4(tag, floats + 4 * width, b[0], b[1], b[2], b[3]);
     for (int i = 0; i < 3; ++i) origin[i] = hn::ConcatEven(tag, b[i], a[i]);
@@ -224,7 +223,7 @@ class Packet {
     return hn::MaskFromVec(hn::BitCast(Tag(), hn::BroadcastSignBit(hn::BitCast(integers, v))));
   }
 
-  // The least and the largest lane; most often they are all the same, as origins of primary rays are.
+  // The smallest and the largest lane. Most often all lanes are the same, as for origins of primary rays.
   static HWY_INLINE void find_range(V v, float& low, float& high) {
     const Tag tag;
     low = high = hn::GetLane(v);
@@ -234,17 +233,17 @@ class Packet {
   }
 
   // Pushes the children of a node, the nearest last.
-  HWY_INLINE void open(std::uint32_t number, M active, std::size_t& depth) {
+  HWY_INLINE void open(std::uint32_t index, M active, std::size_t& depth) {
     const Tag tag;
-    const WideNode& node = bvh_.nodes[number];
+    const WideNode& node = bvh_.nodes[index];
     const float* planes = &node.planes[0][0][0];
-    Sixteen first = broadcast<16>(t_first_), last = broadcast<16>(t_last_);
+    Float16 first = broadcast<16>(t_first_), last = broadcast<16>(t_last_);
     for (std::size_t a = 0; a < 3; ++a) {
       const bool negative = (octant_ >> a) & 1;
-      const Sixteen low = broadcast<16>(inverse_low_[a]), high = broadcast<16>(inverse_high_[a]);
-      const Sixteen near =
+      const Float16 low = broadcast<16>(inverse_low_[a]), high = broadcast<16>(inverse_high_[a]);
+      const Float16 near =
           load<16>(planes + near_[a]) - broadcast<16>(negative ? origin_low_[a] : origin_high_[a]);
-      const Sixteen far =
+      const Float16 far =
           load<16>(planes + far_[a]) - broadcast<16>(negative ? origin_high_[a] : origin_low_[a]);
       first = maximum(first, minimum(near * low, near * high));
       last = minimum(last, maximum(far * low, far * high));
@@ -280,7 +279,7 @@ class Packet {
     return {hn::Sub(x, hn::Mul(sx_, z)), hn::Sub(y, hn::Mul(sy_, z)), z};
   }
 
-  // `intersect_triangle` for each triangle of a leaf and the active rays, operation by operation.
+  // The operations of `intersect_triangle`, in its order, for each triangle of a leaf and the active rays.
   HWY_INLINE void test(ChildLink leaf, M active) {
     const Tag tag;
     const std::uint32_t count = leaf.count();
@@ -292,9 +291,9 @@ class Packet {
                    c = shear_corner(rows + 6 * count, count);
       const V u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
               w = difference_of_products(b.x, a.y, b.y, a.x);
-      const V least = hn::Min(hn::Min(u, v), w), greatest = hn::Max(hn::Max(u, v), w);
-      const M differ = hn::And(hn::Lt(least, hn::Set(tag, -SinglePrecision::least_sign)),
-                               hn::Lt(hn::Set(tag, SinglePrecision::least_sign), greatest));
+      const V min_edge = hn::Min(hn::Min(u, v), w), max_edge = hn::Max(hn::Max(u, v), w);
+      const M differ = hn::And(hn::Lt(min_edge, hn::Set(tag, -SinglePrecision::least_sign)),
+                               hn::Lt(hn::Set(tag, SinglePrecision::least_sign), max_edge));
       const M candidates = hn::AndNot(differ, active);
       if (hn::AllFalse(tag, candidates)) continue;
 
@@ -304,8 +303,8 @@ class Packet {
       const V z = hn::Add(hn::Add(hn::Mul(u, a.z), hn::Mul(v, b.z)), hn::Mul(w, c.z));
       const V t = hn::Mul(hn::Mul(z, inverse), inverse_dz_);
       const V limit = hn::Set(tag, SinglePrecision::greatest);
-      const M large_enough = hn::Or(hn::Lt(hn::Set(tag, SinglePrecision::least_value), least),
-                                    hn::Lt(greatest, hn::Set(tag, -SinglePrecision::least_value)));
+      const M large_enough = hn::Or(hn::Lt(hn::Set(tag, SinglePrecision::least_value), min_edge),
+                                    hn::Lt(max_edge, hn::Set(tag, -SinglePrecision::least_value)));
       const M small_enough = hn::And(hn::Lt(hn::Abs(determinant), limit), hn::Lt(hn::Abs(t), limit));
       const M trusted = hn::And(candidates, hn::And(large_enough, small_enough));
       changed |= keep_nearer(t, hn::Mul(v, inverse), hn::Mul(w, inverse), primitive, trusted);
@@ -320,15 +319,15 @@ class Packet {
 
   HWY_INLINE bool keep_nearer(V t, V u, V v, std::uint32_t primitive, M which) {
     const Tag tag;
-    const V number = hn::BitCast(tag, hn::Set(Bits(), primitive));
+    const V id = hn::BitCast(tag, hn::Set(Bits(), primitive));
     const M lower = hn::RebindMask(tag, hn::Lt(hn::Set(Bits(), primitive), primitive_));
     M nearer = hn::Or(hn::Lt(t, t_best_), hn::And(hn::Eq(t, t_best_), lower));
     nearer = hn::And(hn::And(nearer, hn::Ge(t, t_min_)), which);
     if (hn::AllFalse(tag, nearer)) return false;
-    primitive_ = hn::BitCast(Bits(), hn::IfThenElse(nearer, number, hn::BitCast(tag, primitive_)));
+    primitive_ = hn::BitCast(Bits(), hn::IfThenElse(nearer, id, hn::BitCast(tag, primitive_)));
     hn::BlendedStore(u, nearer, tag, u_);
     hn::BlendedStore(v, nearer, tag, v_);
-    // For any hit, the first is enough: with no t left, the ray takes no further part.
+    // For any hit the first is enough: with a t below its t_min, the ray is inactive from now on.
     t_best_ = hn::IfThenElse(nearer, any_hit ? hn::Set(tag, -1.0f) : t, t_best_);
     return true;
   }
@@ -363,7 +362,7 @@ class Packet {
   V dz_, inverse_dz_;
   hn::Vec<Bits> primitive_;
   alignas(64) float u_[width], v_[width];
-  float inverse_low_[3], inverse_high_[3], origin_low_[3], origin_high_[3];  // of the bundle
+  float inverse_low_[3], inverse_high_[3], origin_low_[3], origin_high_[3];  // of the packet
   float t_first_, t_last_;
   std::size_t near_[3], far_[3], axis_[3];
   std::uint32_t octant_;

@@ -1,4 +1,4 @@
-// A ray brought into the form in which every kernel traces it.
+// A ray in the form in which every kernel traces it.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +13,8 @@
 
 namespace kerf {
 
-/// The ray with t_min and t_max made tame, and with its direction scaled by a power of two if it is very long
-/// or very short: then neither distances nor inverses overflow, and t, being scaled by a power of two as
-/// well, has the same digits.
+/// A ray with finite t_min and t_max. A very long or very short direction is scaled by a power of two, so
+/// that neither distances nor inverses overflow; t is scaled by a power of two as well, and keeps its digits.
 struct PreparedRay {
   /// Only a direction whose largest component is not between these is scaled.
   static constexpr float shortest = 0x1p-8f, longest = 0x1p20f;
@@ -30,7 +29,7 @@ struct PreparedRay {
     t_min = std::max(ray.t_min, 0.0f);
     t_max = std::min(ray.t_max, std::numeric_limits<float>::max());
     if (!(largest > shortest && largest < longest)) rescale(largest);
-    // Zero times anything infinite or not a number is not a number, which equals nothing.
+    // Zero times an infinity or a NaN is a NaN, which equals nothing.
     const float zero =
         (0.0f * origin.x + 0.0f * origin.y) + (0.0f * origin.z + 0.0f * d.x) + (0.0f * d.y + 0.0f * d.z);
     if (!((zero == 0.0f) & (ray.t_min <= ray.t_max))) t_max = -1.0f;

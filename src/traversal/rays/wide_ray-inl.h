@@ -1,4 +1,4 @@
-// A ray as the wide kernels need it.
+// A ray as kernels need it that test many boxes or triangles at once.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_RAYS_WIDE_RAY_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -28,30 +28,30 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// As many boxes of a node as go into one vector, or what is the same for all of them.
-using BoxVector = hn::Vec<Sixteen::Tag>;
+// One number for each of as many boxes as a vector has lanes.
+using BoxVector = hn::Vec<Float16::Tag>;
 
 #if KERF_FLOAT_LANES == 1
-struct Four {
+struct Float4 {
   float lane[4];
 };
 template <int i>
-HWY_INLINE BoxVector broadcast_lane(const Four& v) {
-  return hn::Set(Sixteen::Tag(), v.lane[i]);
+HWY_INLINE BoxVector broadcast_lane(const Float4& v) {
+  return hn::Set(Float16::Tag(), v.lane[i]);
 }
-HWY_INLINE Four three(const Vec3f& v) {
+HWY_INLINE Float4 three(const Vec3f& v) {
   return {{v.x, v.y, v.z, 0.0f}};
 }
 #else
-using FourTag = hn::FixedTag<float, 4>;
-using Four = hn::Vec<FourTag>;
+using FloatTag4 = hn::FixedTag<float, 4>;
+using Float4 = hn::Vec<FloatTag4>;
 
-// Lane i in all lanes, without a way through memory.
+// Lane i in all lanes, without going through memory.
 template <int i>
-HWY_INLINE BoxVector broadcast_lane(Four v) {
+HWY_INLINE BoxVector broadcast_lane(Float4 v) {
 #if KERF_FLOAT_LANES >= 8
-  const Sixteen::Tag tag;
-  const auto index = hn::IndicesFromVec(tag, hn::Set(hn::RebindToSigned<Sixteen::Tag>(), i));
+  const Float16::Tag tag;
+  const auto index = hn::IndicesFromVec(tag, hn::Set(hn::RebindToSigned<Float16::Tag>(), i));
   const auto eight = hn::ZeroExtendVector(FloatTag(), v);
 #if KERF_FLOAT_LANES == 16
   return hn::TableLookupLanes(hn::ZeroExtendVector(tag, eight), index);
@@ -62,27 +62,28 @@ HWY_INLINE BoxVector broadcast_lane(Four v) {
   return hn::Broadcast<i>(v);
 #endif
 }
-HWY_INLINE Four three(const Vec3f& v) {
+HWY_INLINE Float4 three(const Vec3f& v) {
   alignas(16) const float lanes[4] = {v.x, v.y, v.z, 0.0f};
-  return hn::Load(FourTag(), lanes);
+  return hn::Load(FloatTag4(), lanes);
 }
 #endif
 
-// `RayBoxes` and `RayShear` once more, ready to be broadcast. Two cache lines.
+// The values of `RayBoxes` and `RayShear`, ready to be broadcast. Two cache lines.
 struct alignas(64) WideRay {
-  Four inverse, enter, leave;  // of RayBoxes, along x, y, z
+  Float4 inverse, enter, leave;  // of RayBoxes, along x, y, z
   float t_min;
   std::uint32_t octant;  // bit a: negative along axis a
 
   float origin[3];        // along the axes of the shear
   std::uint32_t axis[3];  // these axes
   float sx, sy, inverse_dz;
-  float least_value;  // of SinglePrecision; infinite where results might leave the range of a float
+  float min_value;  // of SinglePrecision; infinite where results might leave the range of a float
 };
 
-// What is decided in single precision, for a scene whose far side lies at `distance` along the axes: with
-// coordinates below 2^36 no determinant and no t comes near `SinglePrecision::greatest`.
-HWY_INLINE float least_value(float distance) {
+// From which magnitude on an edge function is decided in single precision, for a scene whose far side lies at
+// `distance` along the axes: with coordinates below 2^36 no determinant and no t comes near
+// `SinglePrecision::greatest`.
+HWY_INLINE float min_value(float distance) {
   return distance < 0x1p36f ? SinglePrecision::least_value : std::numeric_limits<float>::infinity();
 }
 
@@ -108,21 +109,21 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   out.sx = shear.sx;
   out.sy = shear.sy;
   out.inverse_dz = shear.inverse_dz;
-  out.least_value = least_value(boxes.distance);
+  out.min_value = min_value(boxes.distance);
   return true;
 }
 #else
-HWY_INLINE Four largest_of_three(Four v) {
+HWY_INLINE Float4 largest_of_three(Float4 v) {
   return hn::Max(hn::Max(hn::Broadcast<0>(v), hn::Broadcast<1>(v)), hn::Broadcast<2>(v));
 }
-HWY_INLINE std::uint32_t three_bits(hn::Mask<FourTag> mask) {
+HWY_INLINE std::uint32_t three_bits(hn::Mask<FloatTag4> mask) {
   std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(FourTag(), mask, bytes);
+  hn::StoreMaskBits(FloatTag4(), mask, bytes);
   return bytes[0] & 7u;
 }
 
-// The axes of a shear, by the axis along which the direction is largest and by its sign there, see
-// `RayShear`.
+// The axes of a shear (see `RayShear`), by the axis along which the direction is largest and by its sign
+// there.
 struct ShearAxes {
   std::uint8_t axis[3];
 };
@@ -139,30 +140,31 @@ HWY_INLINE hn::Vec<Tag> boxes_margin(Tag tag, hn::Vec<Tag> distance, const WideB
 }
 
 // False for a ray that `PreparedRay` has to scale or to refuse. The shear is that of `RayShear` to the last
-// bit; the boxes' margin may differ, which no hit shows.
+// bit. The margin of boxes may differ, which changes no hit.
 HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
-  const FourTag tag;
+  const FloatTag4 tag;
   const float* origin = &ray.origin.x;
   const float* direction = &ray.direction.x;
-  const Four o = hn::LoadU(tag, origin), d = hn::LoadU(tag, direction);  // the fourth lane is something else
-  const Four absolute = hn::Abs(d), zero = hn::Zero(tag);
-  const Four largest = largest_of_three(absolute);
+  const Float4 o = hn::LoadU(tag, origin),
+               d = hn::LoadU(tag, direction);  // the fourth lanes hold other fields
+  const Float4 absolute = hn::Abs(d), zero = hn::Zero(tag);
+  const Float4 largest = largest_of_three(absolute);
   const float length = hn::GetLane(largest);
   const std::uint32_t finite = three_bits(hn::Eq(hn::Mul(zero, hn::Add(o, d)), zero));
   if (!(finite == 7 && length > PreparedRay::shortest && length < PreparedRay::longest)) return false;
 
-  const Four distance = largest_of_three(hn::Max(hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.lower.x))),
-                                                 hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.upper.x)))));
-  const Four margin = boxes_margin(tag, distance, bvh);
-  const Four positive =
+  const Float4 distance = largest_of_three(hn::Max(hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.lower.x))),
+                                                   hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.upper.x)))));
+  const Float4 margin = boxes_margin(tag, distance, bvh);
+  const Float4 positive =
       hn::Div(hn::Set(tag, 1.0f), hn::Max(absolute, hn::Mul(largest, hn::Set(tag, 0x1p-26f))));
-  const Four inverse = hn::CopySign(positive, d);
-  const Four product = hn::Mul(o, inverse), grown = hn::Mul(margin, positive);
+  const Float4 inverse = hn::CopySign(positive, d);
+  const Float4 product = hn::Mul(o, inverse), grown = hn::Mul(margin, positive);
   out.inverse = inverse;
   out.enter = hn::Sub(hn::Neg(product), grown);
   out.leave = hn::Sub(grown, product);
   out.t_min = std::max(ray.t_min, 0.0f);
-  const hn::RebindToSigned<FourTag> integers;
+  const hn::RebindToSigned<FloatTag4> integers;
   out.octant = three_bits(hn::MaskFromVec(hn::BitCast(tag, hn::BroadcastSignBit(hn::BitCast(integers, d)))));
 
   const auto kz = static_cast<std::uint32_t>(std::bit_width(three_bits(hn::Eq(absolute, largest)))) - 1;
@@ -174,7 +176,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   out.sx = direction[axes.axis[0]] / direction[kz];
   out.sy = direction[axes.axis[1]] / direction[kz];
   out.inverse_dz = 1.0f / direction[kz];
-  out.least_value = least_value(hn::GetLane(distance));
+  out.min_value = min_value(hn::GetLane(distance));
   return true;
 }
 #endif
@@ -184,7 +186,7 @@ struct NodeConstants {
   BoxVector inverse[3], enter[3], leave[3], t_min;
   std::uint32_t near[3], far[3];  // where in a node the planes of entry and of exit begin, in floats
 
-  HWY_INLINE explicit NodeConstants(const WideRay& ray) : t_min(hn::Set(Sixteen::Tag(), ray.t_min)) {
+  HWY_INLINE explicit NodeConstants(const WideRay& ray) : t_min(hn::Set(Float16::Tag(), ray.t_min)) {
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
       const std::uint32_t negative = (ray.octant >> axis) & 1;
       near[axis] = (2 * axis + negative) * wide_node_children;
@@ -202,14 +204,14 @@ struct NodeConstants {
   }
 };
 
-// The same, to be read from memory at each step: for a ray that comes round once in a while.
+// The same, read from memory at each step: for interleaved rays, each of which has a step only now and then.
 struct StoredNodeConstants {
   float inverse[3], enter[3], leave[3], t_min;
   std::uint32_t near[3], far[3];
 
   HWY_INLINE void set(const WideRay& ray) {
     alignas(16) float lanes[4];
-    const auto copy = [&lanes](const Four& v, float* to) HWY_ATTR {
+    const auto copy = [&lanes](const Float4& v, float* to) HWY_ATTR {
       std::memcpy(lanes, &v, sizeof(lanes));
       std::copy_n(lanes, 3, to);
     };
@@ -227,7 +229,7 @@ struct StoredNodeConstants {
 
 // What a leaf test reads at every leaf.
 struct LeafConstants {
-  Eight origin[3], sx, sy, inverse_dz, least_value;
+  Float8 origin[3], sx, sy, inverse_dz, min_value;
   std::size_t axis[3];
   float t_min;
 
@@ -235,7 +237,7 @@ struct LeafConstants {
       : sx(broadcast(ray.sx)),
         sy(broadcast(ray.sy)),
         inverse_dz(broadcast(ray.inverse_dz)),
-        least_value(broadcast(ray.least_value)),
+        min_value(broadcast(ray.min_value)),
         t_min(ray.t_min) {
     for (std::size_t i = 0; i < 3; ++i) {
       origin[i] = broadcast(ray.origin[i]);
