@@ -28,6 +28,7 @@ kerf_document_code(Build docs/guide/build.md)
 kerf_document_code(Trace docs/guide/trace.md)
 kerf_document_code(Query docs/guide/query.md)
 kerf_document_code(Save docs/guide/save.md)
+kerf_document_code(Inspect docs/guide/inspect.md)
 
 if(TARGET kerf_tool)
   add_test(NAME Documents.CommandsOfToolRunAsPrinted COMMAND Python3::Interpreter scripts/guide-code commands
