@@ -27,7 +27,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // Interleaving hides the latency of memory. The nodes and leaves of a hierarchy of up to this many bytes are
-// close enough to the core for single rays, which take several nodes per step (docs/decisions).
+// close enough to the core for single rays, which take several nodes per step (docs/decisions/0054).
 constexpr std::size_t max_single_bytes = std::size_t{5} << 20;
 
 // Exponential back-off after incoherent packets: each time, twice as many are skipped before the next is

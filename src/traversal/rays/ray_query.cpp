@@ -21,7 +21,8 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// With one 16-byte store, so that the caller's wide load forwards from the store buffer.
+// With one 16-byte store, so that the caller's wide load forwards from the store buffer
+// (docs/decisions/0048).
 HWY_INLINE void write(const Hit& from, Hit& to) {
 #if KERF_FLOAT_LANES == 1
   to = from;

@@ -27,7 +27,7 @@ namespace {
 
 // A node step mostly waits for the one before it. Where several nodes lie on top of the stack, their steps
 // are taken while it waits, although a hit below the nearer ones might have culled them: a few more steps in
-// less time.
+// less time (docs/decisions/0051).
 constexpr std::size_t nodes_per_step = 3;
 
 // Takes up to `max_nodes` nodes off the stack and pushes their children.
