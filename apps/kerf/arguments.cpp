@@ -18,13 +18,13 @@ namespace {
 using kerf::Builder;
 
 constexpr Builder all_builders[] = {Builder::bvh, Builder::sbvh, Builder::esc, Builder::evh};
-constexpr unsigned largest_picture_side = 16384;
+constexpr unsigned max_picture_side = 16384;
 
 [[noreturn]] void refuse(const std::string& option, const std::string& sentence) {
   throw CLI::ValidationError(option, sentence);
 }
 
-// All of `text`, or nothing.
+// Reads a number that all of `text` spells. Returns false if there is none.
 template <class Number>
 bool read(std::string_view text, Number& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -52,10 +52,10 @@ Builder parse_builder(const std::string& option, const std::string& text) {
 
 std::vector<Builder> parse_builders(const std::string& option, const std::string& text) {
   std::vector<Builder> builders;
-  for (const std::string& part : split(text, ',')) {
-    const Builder builder = parse_builder(option, part);
+  for (const std::string& word : split(text, ',')) {
+    const Builder builder = parse_builder(option, word);
     if (std::find(builders.begin(), builders.end(), builder) != builders.end()) {
-      refuse(option, fmt::format("{} is named twice", part));
+      refuse(option, fmt::format("{} is named twice", word));
     }
     builders.push_back(builder);
   }
@@ -72,14 +72,14 @@ float parse_alpha(const std::string& option, const std::string& text) {
 
 std::vector<float> parse_alphas(const std::string& option, const std::string& text) {
   std::vector<float> alphas;
-  for (const std::string& part : split(text, ',')) alphas.push_back(parse_alpha(option, part));
+  for (const std::string& word : split(text, ',')) alphas.push_back(parse_alpha(option, word));
   return alphas;
 }
 
-unsigned parse_whole(const std::string& option, const std::string& text, unsigned least, unsigned most) {
+unsigned parse_whole(const std::string& option, const std::string& text, unsigned min, unsigned max) {
   unsigned value = 0;
-  if (!read(text, value) || value < least || value > most) {
-    refuse(option, fmt::format("must be a whole number from {} to {}, not '{}'", least, most, text));
+  if (!read(text, value) || value < min || value > max) {
+    refuse(option, fmt::format("must be a whole number from {} to {}, not '{}'", min, max, text));
   }
   return value;
 }
@@ -88,9 +88,8 @@ PictureSize parse_size(const std::string& option, const std::string& text) {
   const std::vector<std::string> sides = split(text, 'x');
   unsigned width = 0, height = 0;
   if (sides.size() != 2 || !read(sides[0], width) || !read(sides[1], height) || width < 1 || height < 1 ||
-      width > largest_picture_side || height > largest_picture_side) {
-    refuse(option,
-           fmt::format("must be WIDTHxHEIGHT, each from 1 to {}, not '{}'", largest_picture_side, text));
+      width > max_picture_side || height > max_picture_side) {
+    refuse(option, fmt::format("must be WIDTHxHEIGHT, each from 1 to {}, not '{}'", max_picture_side, text));
   }
   return {width, height};
 }

@@ -1,4 +1,5 @@
-// From what a user writes to values. All throw `CLI::ValidationError` with a sentence that names the option.
+// From what a user writes to values. All functions throw `CLI::ValidationError` with a sentence that names
+// the option.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +14,13 @@
 
 namespace kerf_tool {
 
-/// What a SCENE is, for the help of every command.
+/// Describes a SCENE in the help of every command.
 inline constexpr const char* scene_help =
     "A file (.obj .ply .stl .gltf .glb, gzipped or not, or .kerf) or a generated scene, then optionally "
     ":rotate=DEGREES,detail=N";
 
-/// More threads than any machine has that this runs on; beyond it stands a mistake.
-inline constexpr unsigned most_threads = 1024;
+/// No machine has more threads: a larger number is a mistake.
+inline constexpr unsigned max_threads = 1024;
 
 /// `bvh,sbvh`: one or more builders, none twice.
 std::vector<kerf::Builder> parse_builders(const std::string& option, const std::string& text);
@@ -30,11 +31,11 @@ kerf::Builder parse_builder(const std::string& option, const std::string& text);
 /// A number from 0 to 1.
 float parse_alpha(const std::string& option, const std::string& text);
 
-/// `1,0.1,0`: one or more of them.
+/// `1,0.1,0`: one or more such numbers.
 std::vector<float> parse_alphas(const std::string& option, const std::string& text);
 
-/// A whole number from `least` to `most`.
-unsigned parse_whole(const std::string& option, const std::string& text, unsigned least, unsigned most);
+/// A whole number from `min` to `max`.
+unsigned parse_whole(const std::string& option, const std::string& text, unsigned min, unsigned max);
 
 struct PictureSize {
   std::size_t width;
@@ -44,10 +45,11 @@ struct PictureSize {
 /// `1280x800`: each from 1 to 16384.
 PictureSize parse_size(const std::string& option, const std::string& text);
 
-/// Loads the scenes, all of them before any other work is done: what is wrong with one shows at once.
+/// Loads all scenes. Commands do so before any other work, so that errors in any of them show at once.
 std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs);
 
-/// What `work` returns. Errors of the library know no file: this puts the scene's name before their sentence.
+/// Returns what `work` returns. Errors of the library name no file, so this puts the name of the scene before
+/// their sentence.
 template <class Work>
 auto name_errors(const workbench::Scene& scene, const Work& work) {
   try {

@@ -49,7 +49,7 @@ std::vector<Engine> make_engines(const std::string& peers, unsigned threads) {
   if (peers == "embree") {
     std::vector<Engine> embree = embree_engines(threads);
     if (embree.empty()) {
-      fmt::print(stderr, "kerf: this program was built without Embree, so kerf stands alone\n");
+      fmt::print(stderr, "kerf: this program was built without Embree, so there is no peer\n");
     }
     for (Engine& engine : embree) engines.push_back(std::move(engine));
   }
@@ -57,7 +57,7 @@ std::vector<Engine> make_engines(const std::string& peers, unsigned threads) {
 }
 
 void bench(const BenchArguments& arguments) {
-  unsigned threads = parse_whole("--threads", arguments.threads, 0, most_threads);
+  unsigned threads = parse_whole("--threads", arguments.threads, 0, max_threads);
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   require_writable(arguments.json);
   const std::vector<Scene> scenes = load_scenes(arguments.scenes);
@@ -70,8 +70,8 @@ void bench(const BenchArguments& arguments) {
       BenchOptions options;
       options.threads = threads;
       options.limits = arguments.limits;
-      options.progress = [&](double part, std::string_view what) {
-        bar.show((static_cast<double>(i) + part) / static_cast<double>(scenes.size()), what);
+      options.progress = [&](double fraction, std::string_view what) {
+        bar.show((static_cast<double>(i) + fraction) / static_cast<double>(scenes.size()), what);
       };
       figures.push_back(name_errors(scenes[i], [&] { return bench_scene(scenes[i], engines, options); }));
     }
@@ -94,13 +94,13 @@ void add_bench_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("bench", "Build time, memory and speed beside Embree, in the same run");
   command->add_option("scenes", arguments->scenes, scene_help)->required()->type_name("SCENE");
-  command->add_option("--threads", arguments->threads, "How many build and trace; 0 is all there are")
+  command->add_option("--threads", arguments->threads, "Threads that build and trace; 0 is all there are")
       ->capture_default_str();
-  command->add_option("--peers", arguments->peers, "What kerf is measured beside: embree or none")
+  command->add_option("--peers", arguments->peers, "What kerf is compared with: embree or none")
       ->check(CLI::IsMember({"embree", "none"}))
       ->capture_default_str();
   command->add_flag("--limits", arguments->limits,
-                    "Measure what a step costs at best, and which part of that speed kerf reaches");
+                    "Measure the time of a step at best, and the fraction of that speed that kerf reaches");
   command->add_option("--json", arguments->json, "Write the figures to this file; - is standard output")
       ->type_name("FILE");
   command->callback([arguments] { bench(*arguments); });

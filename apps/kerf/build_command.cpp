@@ -25,9 +25,9 @@ void run(const Options& options) {
   kerf::BuildOptions build;
   build.builder = parse_builder("--builder", options.builder);
   build.alpha = parse_alpha("--alpha", options.alpha);
-  build.threads = parse_whole("--threads", options.threads, 0, most_threads);
-  build.progress = [&](float part) {
-    bar.show(part, "build");
+  build.threads = parse_whole("--threads", options.threads, 0, max_threads);
+  build.progress = [&](float fraction) {
+    bar.show(fraction, "build");
     return true;
   };
   require_writable(options.output);
@@ -55,10 +55,10 @@ void add_build_command(CLI::App& app) {
   command->add_option("--builder", options->builder, "bvh, sbvh, esc or evh")
       ->type_name("NAME")
       ->capture_default_str();
-  command->add_option("--alpha", options->alpha, "Spatial splits are tried above this overlap, from 0 to 1")
+  command->add_option("--alpha", options->alpha, "Overlap above which a spatial split is tried, from 0 to 1")
       ->type_name("A")
       ->capture_default_str();
-  command->add_option("--threads", options->threads, "0 is all there are")
+  command->add_option("--threads", options->threads, "Threads that build; 0 is all there are")
       ->type_name("N")
       ->capture_default_str();
   command->callback([options] { run(*options); });

@@ -33,13 +33,13 @@ void run(const Options& options, const std::string& command_line) {
 
 void add_compare_command(CLI::App& app, const std::string& command_line) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("compare", "Build with every builder, trace the same rays, compare");
+  CLI::App* command = app.add_subcommand("compare", "Build with several builders and trace the same rays");
   command->add_option("SCENE", options->scenes, scene_help)->type_name("")->required();
   command->add_option("--builders", options->builders, "Which builders, separated by commas")
       ->type_name("LIST")
       ->capture_default_str();
-  command->add_option("--alpha", options->alpha, "Least overlap for which a spatial split is tried, 0 to 1")
-      ->type_name("NUMBER")
+  command->add_option("--alpha", options->alpha, "Overlap above which a spatial split is tried, from 0 to 1")
+      ->type_name("A")
       ->capture_default_str();
   add_options(*command, options->measuring);
   command->callback([options, command_line] { run(*options, command_line); });

@@ -14,7 +14,7 @@ namespace {
 constexpr int failure = 1;
 constexpr int bad_usage = 2;
 
-// An argument as a shell would have to read it.
+// An argument in the form in which a shell reads it.
 std::string quote(const std::string& argument) {
   const bool plain = argument.find_first_not_of(
                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"

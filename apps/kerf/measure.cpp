@@ -20,11 +20,11 @@ namespace {
 
 using namespace workbench;
 
-// Fewer rounds of timing than three measure the machine's disturbances, and more than a thousand help nobody.
-constexpr unsigned fewest_rounds = 3;
-constexpr unsigned most_rounds = 1000;
+// Fewer rounds than three measure the disturbances of the machine; more than a thousand improve nothing.
+constexpr unsigned min_rounds = 3;
+constexpr unsigned max_rounds = 1000;
 
-// What a measurement is to do, checked.
+// The checked options of a measurement.
 struct Plan {
   CompareOptions compare;
   PictureSize pictures{};
@@ -38,11 +38,11 @@ Plan check(const MeasureOptions& given) {
   plan.json = given.json;
   plan.report = given.report;
   plan.print_tables = given.json != standard_output;
-  plan.compare.threads = parse_whole("--threads", given.threads, 0, most_threads);
+  plan.compare.threads = parse_whole("--threads", given.threads, 0, max_threads);
   const PictureSize pixels = parse_size("--pixels", given.pixels);
   plan.compare.rays = {.width = pixels.width, .height = pixels.height};
   if (!given.rounds.empty()) {
-    plan.compare.rounds = parse_whole("--rounds", given.rounds, fewest_rounds, most_rounds);
+    plan.compare.rounds = parse_whole("--rounds", given.rounds, min_rounds, max_rounds);
     plan.compare.seconds_per_type = 0.0;
   }
   plan.pictures = parse_size("--pictures", given.pictures);
@@ -51,7 +51,7 @@ Plan check(const MeasureOptions& given) {
   return plan;
 }
 
-// Scene after scene; the table of each is printed as soon as it is known.
+// Measures scene after scene, and prints the table of each as soon as it is known.
 std::vector<ReportScene> measure(const Measurement& measurement, const Plan& plan,
                                  const std::vector<Scene>& scenes) {
   const Emphasis emphasis = isatty(STDOUT_FILENO) ? Emphasis::bold : Emphasis::mark;
@@ -59,8 +59,8 @@ std::vector<ReportScene> measure(const Measurement& measurement, const Plan& pla
   ProgressBar bar;
   for (const Scene& scene : scenes) {
     CompareOptions options = plan.compare;
-    options.progress = [&](double part, std::string_view what) {
-      bar.show((static_cast<double>(measured.size()) + part) / static_cast<double>(scenes.size()),
+    options.progress = [&](double fraction, std::string_view what) {
+      bar.show((static_cast<double>(measured.size()) + fraction) / static_cast<double>(scenes.size()),
                fmt::format("{}: {}", scene.name, what));
     };
     const Comparison comparison =
@@ -110,11 +110,12 @@ void add_options(CLI::App& command, MeasureOptions& options) {
                   "Threads that build; 0 is all there are. Rays are timed on one")
       ->type_name("N")
       ->capture_default_str();
-  command.add_option("--pixels", options.pixels, "WIDTHxHEIGHT of each viewpoint, one primary ray a pixel")
+  command.add_option("--pixels", options.pixels, "WIDTHxHEIGHT of each viewpoint, one primary ray per pixel")
       ->type_name("WxH")
       ->capture_default_str();
   command
-      .add_option("--rounds", options.rounds, "Rounds of timing; else at least three, and a second's worth")
+      .add_option("--rounds", options.rounds,
+                  "Rounds of timing; if not given, at least three, for a second or more")
       ->type_name("N");
   command.add_option("--json", options.json, "Write all figures as JSON to this file; - is standard output")
       ->type_name("FILE");

@@ -1,4 +1,4 @@
-// What `compare` and `sweep` have in common: measuring scenes, and handing out what was measured.
+// What `compare` and `sweep` have in common: they measure scenes and write what they measured.
 #pragma once
 
 #include <string>
@@ -33,9 +33,9 @@ struct Measurement {
   std::string (*format_table)(const workbench::SceneFigures&, workbench::Emphasis) = nullptr;
 };
 
-/// Checks that everything can be read and written, measures, and writes the tables (unless the JSON takes
-/// standard output), the JSON and the report. Throws `kerf::Error` if hits differ between contenders, after
-/// all is written.
+/// Checks that everything can be read and written, then measures, then writes the tables (unless the JSON
+/// goes to standard output), the JSON and the report. If hits differ between contenders, throws `kerf::Error`
+/// after everything is written.
 void measure_and_write(const Measurement& measurement);
 
 }  // namespace kerf_tool

@@ -7,28 +7,26 @@
 #include <memory>
 #include <system_error>
 
-#include <fmt/format.h>
-#include <kerf/error.hpp>
+#include "workbench/base/raise.hpp"
 
 namespace kerf_tool {
 namespace {
 
 using Stream = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
-[[noreturn]] void fail(std::string_view file, std::string_view what, int error) {
-  throw kerf::Error(kerf::Error::io,
-                    fmt::format("{}: {}: {}", file, what, std::generic_category().message(error)));
+[[noreturn]] void raise_io(std::string_view file, std::string_view what, int error) {
+  workbench::raise(kerf::Error::io, file, "{}: {}", what, std::generic_category().message(error));
 }
 
 Stream open(const std::string& file, const char* mode) {
   Stream stream(std::fopen(file.c_str(), mode), &std::fclose);
-  if (!stream) fail(file, "cannot be written", errno);
+  if (!stream) raise_io(file, "cannot be written", errno);
   return stream;
 }
 
 void write(std::FILE* stream, std::string_view name, std::string_view bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), stream) != bytes.size() || std::fflush(stream) != 0) {
-    fail(name, "cannot be written", errno);
+    raise_io(name, "cannot be written", errno);
   }
 }
 
@@ -46,7 +44,7 @@ void require_writable_directory(const std::string& directory) {
   if (directory.empty()) return;
   std::error_code error;
   std::filesystem::create_directories(directory, error);
-  if (error) fail(directory, "the directory cannot be made", error.value());
+  if (error) raise_io(directory, "the directory cannot be made", error.value());
   require_writable((std::filesystem::path(directory) / "index.html").string());
 }
 

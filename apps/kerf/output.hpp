@@ -1,4 +1,5 @@
-// Where results go: files, and standard output. All throw `kerf::Error::io` with a line that names the file.
+// Results go to files or to standard output. All functions throw `kerf::Error::io` with a line that names the
+// file.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +11,10 @@ namespace kerf_tool {
 /// The name that stands for standard output.
 inline constexpr const char* standard_output = "-";
 
-/// Makes sure, before long work begins, that `file` can be written. Leaves it as it is.
+/// Checks, before long work begins, that `file` can be written. Leaves it as it is.
 void require_writable(const std::string& file);
 
-/// Makes `directory` where there is none and makes sure that files can be written in it.
+/// Makes `directory` if it does not exist, and checks that files can be written in it.
 void require_writable_directory(const std::string& directory);
 
 /// Writes all of `bytes` to `file`, or to standard output.

@@ -32,7 +32,7 @@ Mode parse_mode(const std::string& text) {
   if (text == "ao") return Mode::ao;
   if (text == "steps") return Mode::steps;
   throw CLI::ValidationError("--mode",
-                             fmt::format("there is no mode '{}'; there are shaded, ao and steps", text));
+                             fmt::format("there is no mode '{}'; the modes are shaded, ao and steps", text));
 }
 
 Image render(const Scene& scene, const kerf::Bvh& bvh, Mode mode, const Viewpoint& viewpoint,
@@ -42,7 +42,7 @@ Image render(const Scene& scene, const kerf::Bvh& bvh, Mode mode, const Viewpoin
                               .height = size.height,
                               .samples = 3,
                               .ambient_samples = mode == Mode::ao ? 24u : 8u,
-                              .progress = [&](double part) { bar.show(part, "render"); }};
+                              .progress = [&](double fraction) { bar.show(fraction, "render"); }};
   if (mode == Mode::shaded) return render_shaded(scene, bvh, viewpoint, options);
   if (mode == Mode::ao) return render_ambient_occlusion(scene, bvh, viewpoint, options);
   const HeatMap map = trace_heat(bvh, viewpoint, size.width, size.height);

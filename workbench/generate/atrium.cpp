@@ -19,7 +19,8 @@ constexpr float aisle = 4.4f;    // from the columns to the outer wall
 constexpr float gallery = 7.0f;  // floor of the upper storey
 constexpr float eaves = 12.6f, top = 15.0f;
 
-// One side of the court. `along` runs from its first corner to its last, `out` from the court into the aisle.
+// One side of the court. `along` points from its first corner to its last, `out` from the court into the
+// aisle.
 struct Side {
   Vec3f corner, along, out;
   int bays;
@@ -42,7 +43,7 @@ struct Storey {
 constexpr Storey ground{0.3f, 4.1f, 0.30f, 6.7f};
 constexpr Storey upper{gallery, 2.9f, 0.20f, eaves};
 
-// The wall over one arch: its two faces as fans from the upper corners to the curve, as modellers leave them.
+// The wall over one arch: its two faces as fans from the upper corners to the curve, as modellers make them.
 void add_arch(MeshMaker& maker, const Side& side, const Storey& storey, float begin, const Fineness& fine) {
   constexpr float half_wall = 0.3f;
   const float half_open = 0.5f * bay - 1.5f * storey.column_radius;
@@ -101,7 +102,7 @@ void add_cornice(MeshMaker& maker, float y, float height, float depth, const Fin
   }
 }
 
-// The groin vault over one bay of the lower aisle: two crossing half-barrels, of which the higher shows.
+// The groin vault over one bay of the lower aisle: two crossing half-barrels, of which the higher is visible.
 void add_vault(MeshMaker& maker, const Side& side, float begin, float width, const Fineness& fine) {
   const auto barrel = [](float t) {
     return std::sqrt(std::max(0.0f, 1.0f - (2.0f * t - 1.0f) * (2.0f * t - 1.0f)));
@@ -146,7 +147,7 @@ void add_side(MeshMaker& maker, const Side& side, const Fineness& fine) {
   }
   add_vault(maker, side, side.length(), aisle, fine);  // over the corner, seen along this side
 
-  // From here on, shapes as long as the side.
+  // The following shapes are as long as the side.
   const float l = side.length(), a0 = -aisle, a1 = l + aisle;
   maker.add_box(side.at(0, gallery + 0.9f, -0.12f), l * side.along, {0, 0.12f, 0},
                 0.24f * side.out);  // handrail

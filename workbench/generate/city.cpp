@@ -1,5 +1,5 @@
-// Streets of boxes on rolling ground, cables from roof to roof: long thin triangles at every angle above tall
-// ones that stand straight. A larger `detail` makes a larger city.
+// Streets of boxes on rolling ground, and cables from roof to roof: long thin triangles at every angle above
+// tall upright ones. A larger `detail` makes a larger city.
 #include <algorithm>
 #include <cmath>
 
@@ -14,9 +14,9 @@ namespace {
 
 using namespace kerf;
 
-constexpr double lots_a_side = 22.0;  // at detail 1
-constexpr float lot = 36.0f;          // from street to street
-constexpr std::uint32_t ground_squares_a_lot = 6;
+constexpr double lots_per_side = 22.0;  // at detail 1
+constexpr float lot = 36.0f;            // from street to street
+constexpr std::uint32_t ground_squares_per_lot = 6;
 
 float ground_at(float x, float z) {
   return 14.0f * fractal_noise(x / 260.0f, z / 260.0f, 4, 3);
@@ -91,10 +91,10 @@ Vec3f add_building(MeshMaker& maker, const Vec3f& foot, float central, RandomNum
 }  // namespace
 
 Scene generate_city(double detail) {
-  const std::uint32_t side = scaled(lots_a_side, std::sqrt(detail), 2);
+  const std::uint32_t side = scaled(lots_per_side, std::sqrt(detail), 2);
   const float half = 0.5f * lot * static_cast<float>(side);
   MeshMaker maker;
-  const std::uint32_t squares = ground_squares_a_lot * side;
+  const std::uint32_t squares = ground_squares_per_lot * side;
   maker.add_grid(squares, squares, [&](float u, float v) {
     const float x = (2.0f * u - 1.0f) * half, z = (1.0f - 2.0f * v) * half;
     return Vec3f{x, ground_at(x, z), z};
@@ -111,15 +111,15 @@ Scene generate_city(double detail) {
       roofs.push_back(add_building(maker, {x, ground_at(x, z), z}, central, random));
     }
   }
-  // Cables: a few from each roof to a roof some lots away.
+  // A few cables go from each roof to a roof some lots away.
   for (std::uint32_t i = 0; i < side * side; ++i) {
     const std::uint32_t row = i / side, column = i % side;
     const std::uint32_t other_row = std::min(side - 1, row + random.below(4));
     const std::uint32_t other_column = std::min(side - 1, column + random.below(4));
     const Vec3f &from = roofs[i], &to = roofs[other_row * side + other_column];
     if (other_row == row && other_column == column) continue;
-    for (const float apart : {-1.5f, 0.0f, 1.5f}) {
-      add_cable(maker, from + Vec3f{apart, 0, -apart}, to + Vec3f{apart, 0, -apart},
+    for (const float offset : {-1.5f, 0.0f, 1.5f}) {
+      add_cable(maker, from + Vec3f{offset, 0, -offset}, to + Vec3f{offset, 0, -offset},
                 0.05f * length(to - from), 0.06f, 6, 3);
     }
   }

@@ -12,10 +12,9 @@ namespace {
 
 using namespace kerf;
 
-constexpr float room_x = 9.0f, room_z = 7.0f, room_y = 4.6f;  // half, half, whole
+constexpr float room_x = 9.0f, room_z = 7.0f, room_y = 4.6f;  // half the length, half the depth, the height
 
-// Furniture is made in its own frame, x to its right, z behind it, and turned about the vertical into its
-// place.
+// The frame of a piece of furniture, x to its right and z behind it: turned about the vertical and moved.
 struct Place {
   Vec3f origin, x, z;
 
@@ -184,7 +183,8 @@ Scene generate_conference(double detail) {
   MeshMaker maker;
   add_room(maker, fine);
   for (float x = -7.5f; x <= 7.6f; x += 2.5f) add_truss(maker, x, fine);
-  // Tables in arcs round the speaker's end of the room, each arc's gaps behind the tables of the one before.
+  // Tables stand in arcs round the speaker's end of the room. The gaps of an arc are behind the tables of the
+  // arc before it.
   constexpr Vec3f speaker{-7.6f, 0, 0};
   constexpr float table_length = 2.6f, gap = 0.5f;
   for (int arc = 0; arc < 7; ++arc) {

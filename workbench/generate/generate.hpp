@@ -1,4 +1,4 @@
-// The generators, one a file. Each makes about `detail` times its default number of triangles, the same on
+// The generators, one per file. Each makes about `detail` times its default number of triangles, the same on
 // every machine, with the y axis up and lengths in metres.
 #pragma once
 

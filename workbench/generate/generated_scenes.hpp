@@ -1,4 +1,4 @@
-// The scenes that need no file.
+// The list of the scenes that need no file.
 #pragma once
 
 #include <cstddef>
@@ -16,10 +16,10 @@ struct GeneratedScene {
   Scene (*generate)(double detail);  ///< about `detail` times as many triangles; the same on every machine
 };
 
-/// All of them, in the order in which lists show them.
+/// All generated scenes, in the order in which lists show them.
 std::span<const GeneratedScene> generated_scenes();
 
-/// The one of that name, or null.
+/// The generated scene of that name, or null.
 const GeneratedScene* find_generated_scene(std::string_view name);
 
 }  // namespace workbench

@@ -1,4 +1,4 @@
-// Long thin strands that curl out of a ball, every one in the way of every other.
+// Long thin strands that curl out of a ball, and overlap each other everywhere.
 #include <cmath>
 
 #include "workbench/generate/generate.hpp"
@@ -14,8 +14,8 @@ constexpr double strands = 1800.0;  // at detail 1
 constexpr std::uint32_t segments = 24, tube_sides = 3;
 constexpr float core_radius = 1.0f;
 
-// A strand leaves the core at any point, steadily turns about an axis of its own, and is drawn back to the
-// ball.
+// A strand leaves the core at a random point, turns steadily about an axis of its own, and is drawn back to
+// the ball.
 void add_strand(MeshMaker& maker, RandomNumbers& random) {
   Vec3f at = core_radius * random_direction(random);
   Vec3f direction = normalize(normalize(at) + 0.9f * random_direction(random));

@@ -19,7 +19,7 @@ void MeshMaker::add_quad(const Vec3f& a, const Vec3f& b, const Vec3f& c, const V
 }
 
 void MeshMaker::add_box(const Vec3f& corner, const Vec3f& x, const Vec3f& y, const Vec3f& z) {
-  // Vertex i is at `corner`, plus x, y and z for the bits 0, 1 and 2 of i.
+  // Vertex i is `corner` plus x, y and z if bits 0, 1 and 2 of i are set.
   const auto first = static_cast<std::uint32_t>(vertices_.size());
   for (std::uint32_t i = 0; i < 8; ++i) {
     Vec3f p = corner;
@@ -79,8 +79,8 @@ void MeshMaker::join_rings(std::uint32_t lower, std::uint32_t upper, std::uint32
   }
 }
 
-std::uint32_t scaled(double count, double factor, std::uint32_t least) {
-  return std::max(least, static_cast<std::uint32_t>(std::floor(count * factor + 0.5)));
+std::uint32_t scaled(double count, double factor, std::uint32_t min) {
+  return std::max(min, static_cast<std::uint32_t>(std::floor(count * factor + 0.5)));
 }
 
 }  // namespace workbench

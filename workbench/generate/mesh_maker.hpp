@@ -1,4 +1,4 @@
-// The shapes that generated scenes are put together from.
+// The shapes that generated scenes are composed of.
 #pragma once
 
 #include <array>
@@ -12,13 +12,13 @@
 
 namespace workbench {
 
-/// A point of a surface of revolution: so far from the axis, so high above its foot.
+/// A point of a surface of revolution: its distance from the axis, and its height above the foot of the axis.
 struct ProfilePoint {
   float radius;
   float height;
 };
 
-/// Collects triangles. Shapes are tessellated as asked, share vertices within themselves, and face outward.
+/// Collects triangles. The triangles of one shape share vertices and face outward.
 class MeshMaker {
  public:
   std::uint32_t add_vertex(const Vec3f& p) {
@@ -65,15 +65,16 @@ class MeshMaker {
   /// The surface of revolution of a profile, listed upward, about the vertical through `foot`.
   void add_lathe(const Vec3f& foot, std::span<const ProfilePoint> profile, std::uint32_t segments);
 
-  /// A round tube along a path of two points or more, `radius(t)` thick, t from 0 to 1 by the number of the
-  /// point. Open at its ends: 2 * sides triangles between two points.
+  /// A round tube along a path of two points or more. Its radius is `radius(t)`, where t goes from 0 at the
+  /// first point in equal steps to 1 at the last. It is open at its ends: 2 * sides triangles between two
+  /// points.
   template <class Radius>
   void add_tube(std::span<const Vec3f> path, std::uint32_t sides, Radius&& radius) {
     Vec3f side = any_normal(path[1] - path[0]);
     std::uint32_t ring = 0;
     for (std::size_t i = 0; i < path.size(); ++i) {
       const Vec3f along = normalize(path[std::min(i + 1, path.size() - 1)] - path[i == 0 ? 0 : i - 1]);
-      side = normalize(side - dot(side, along) * along);  // carried along without twist
+      side = normalize(side - dot(side, along) * along);  // transported along the path without twist
       const std::uint32_t previous = ring;
       ring = add_ring(path[i], side, cross(along, side), sides,
                       radius(static_cast<float>(i) / static_cast<float>(path.size() - 1)));
@@ -98,7 +99,7 @@ class MeshMaker {
   std::vector<std::array<std::uint32_t, 3>> triangles_;
 };
 
-/// `count` scaled by `factor`, rounded, and not below `least`.
-std::uint32_t scaled(double count, double factor, std::uint32_t least);
+/// `count` times `factor`, rounded, and not below `min`.
+std::uint32_t scaled(double count, double factor, std::uint32_t min);
 
 }  // namespace workbench

@@ -57,8 +57,8 @@ void add_capital(MeshMaker& maker, const Vec3f& foot, float height, float radius
 
 Fineness::Fineness(double detail) : factor_(std::sqrt(detail)) {}
 
-std::uint32_t Fineness::operator()(double count, std::uint32_t least) const {
-  return scaled(count, factor_, least);
+std::uint32_t Fineness::operator()(double count, std::uint32_t min) const {
+  return scaled(count, factor_, min);
 }
 
 ProfilePoint profile_at(std::span<const ProfilePoint> profile, float t) {

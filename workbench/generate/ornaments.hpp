@@ -1,4 +1,4 @@
-// Turned and carved things: smooth shapes that take as many triangles as they are given.
+// Turned and carved things: smooth shapes of as many triangles as are asked for.
 #pragma once
 
 #include <span>
@@ -7,14 +7,14 @@
 
 namespace workbench {
 
-/// How finely to tessellate. Numbers of rows and segments grow with the square root of `detail`, so that
-/// numbers of triangles grow with `detail`.
+/// How finely to tessellate. Numbers of rows and segments are proportional to the square root of `detail`, so
+/// that numbers of triangles are proportional to `detail`.
 class Fineness {
  public:
   explicit Fineness(double detail);
 
-  /// `count` rows or segments at detail 1, and never fewer than `least`.
-  std::uint32_t operator()(double count, std::uint32_t least = 3) const;
+  /// A number of rows or segments: `count` at detail 1, and never below `min`.
+  std::uint32_t operator()(double count, std::uint32_t min = 3) const;
 
  private:
   double factor_;
@@ -23,7 +23,7 @@ class Fineness {
 /// The smooth curve through the points of a profile (a Catmull-Rom spline) at `t` from 0 to 1.
 ProfilePoint profile_at(std::span<const ProfilePoint> profile, float t);
 
-/// What a lathe makes of the smooth curve through the points of a profile, scaled by `scale`.
+/// The surface of revolution of the smooth curve through the points of a profile, scaled by `scale`.
 void add_turned(MeshMaker& maker, const kerf::Vec3f& foot, std::span<const ProfilePoint> profile, float scale,
                 std::uint32_t segments, std::uint32_t rows);
 
@@ -33,12 +33,12 @@ void add_column(MeshMaker& maker, const kerf::Vec3f& foot, float height, float r
 void add_baluster(MeshMaker& maker, const kerf::Vec3f& foot, float height, const Fineness& fine);
 void add_vase(MeshMaker& maker, const kerf::Vec3f& foot, float height, const Fineness& fine);
 
-/// A flower in relief. `x`, `y` are unit vectors in the wall that it is on, `x` cross `y` points away from
-/// the wall.
+/// A flower in relief on a wall. `x` and `y` are unit vectors in the wall, and `x` cross `y` points away from
+/// it.
 void add_rosette(MeshMaker& maker, const kerf::Vec3f& center, const kerf::Vec3f& x, const kerf::Vec3f& y,
                  float radius, const Fineness& fine);
 
-/// A ring: `x` and `y` are unit vectors in its plane.
+/// A ring. `x` and `y` are unit vectors in its plane.
 void add_ring(MeshMaker& maker, const kerf::Vec3f& center, const kerf::Vec3f& x, const kerf::Vec3f& y,
               float radius, float thickness, std::uint32_t segments, std::uint32_t sides);
 

@@ -14,7 +14,7 @@ using namespace kerf;
 namespace {
 
 Solid make_icosahedron() {
-  // Three golden rectangles, one in each plane of axes; their twelve corners, pushed out by the caller.
+  // The corners of three golden rectangles, one in each plane of axes. The caller moves them onto a sphere.
   constexpr float g = 1.6180339887f;
   return {.vertices = {{-1, g, 0},
                        {1, g, 0},
@@ -80,10 +80,10 @@ Solid make_torus(std::uint32_t major, std::uint32_t minor, float ring_radius, fl
 Solid make_box(Vec3f lower, Vec3f upper, std::uint32_t divisions) {
   Solid solid;
   std::map<std::array<std::uint32_t, 3>, std::uint32_t>
-      numbers;  // of the vertices, by their place in the grid
+      indices;  // of the vertices, by their place in the grid
   const auto vertex_at = [&](const std::array<std::uint32_t, 3>& place) {
     const auto [entry, is_new] =
-        numbers.try_emplace(place, static_cast<std::uint32_t>(solid.vertices.size()));
+        indices.try_emplace(place, static_cast<std::uint32_t>(solid.vertices.size()));
     if (is_new) {
       Vec3f vertex;
       for (int axis = 0; axis < 3; ++axis) {
@@ -108,7 +108,7 @@ Solid make_box(Vec3f lower, Vec3f upper, std::uint32_t divisions) {
             return vertex_at(place);
           };
           std::uint32_t a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
-          if (side == 0) std::swap(b, d);  // the lower face looks the other way
+          if (side == 0) std::swap(b, d);  // the lower face is turned the other way
           solid.triangles.insert(solid.triangles.end(), {{a, b, c}, {a, c, d}});
         }
       }

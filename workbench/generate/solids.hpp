@@ -1,4 +1,4 @@
-// Closed surfaces for tests: every edge is shared by exactly two triangles, which face outward.
+// Closed surfaces for tests. Exactly two triangles share each edge, and all face outward.
 #pragma once
 
 #include <array>
@@ -18,8 +18,9 @@ struct Solid {
   kerf::TriangleMesh mesh() const { return {.vertices = vertices, .triangles = triangles}; }
 };
 
-/// A sphere: the icosahedron subdivided `level` times, its vertices pushed out to `radius`. It has 20 *
-/// 4^level triangles: 20, 80, 320, 1,280, 5,120, 20,480, and 81,920 at level 6. Range of `level`: [0, 10].
+/// A sphere: the icosahedron subdivided `level` times, with its vertices moved to distance `radius`. It has
+/// 20 * 4^level triangles: 20, 80, 320, 1,280, 5,120, 20,480, and 81,920 at level 6. Range of `level`: [0,
+/// 10].
 Solid make_sphere(int level, float radius = 1.0f, kerf::Vec3f center = {});
 
 /// A torus round the y axis: `major` segments along the ring of radius `ring_radius`, `minor` round its tube

@@ -1,4 +1,4 @@
-// Random long thin triangles in a ball: boxes fit them as badly as anything can.
+// Random long thin triangles in a ball, which boxes fit as badly as possible.
 #include <cmath>
 
 #include "workbench/generate/generate.hpp"

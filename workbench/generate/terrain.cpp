@@ -1,5 +1,4 @@
-// A mountain valley: one height field of even triangles. Spatial splits have nothing to win here, and must
-// not hurt.
+// A mountain valley: a height field of even triangles. Spatial splits gain nothing here, and must not hurt.
 #include <algorithm>
 #include <cmath>
 

@@ -13,7 +13,7 @@ using namespace kerf;
 
 namespace {
 
-// Turned about z and then about x by angles that are no one's favourites, scaled, and moved.
+// Turned about z and then about x by an angle without symmetries, scaled, and moved.
 Solid placed(Solid solid, float scale, Vec3f offset) {
   const auto [s, c] = sine_cosine(0.1117);
   for (Vec3f& v : solid.vertices) {
@@ -24,7 +24,7 @@ Solid placed(Solid solid, float scale, Vec3f offset) {
   return solid;
 }
 
-// Waves on a sphere, up to a third of its radius high: a closed relative of scanned figures.
+// A sphere with waves up to a third of its radius high, similar to scanned figures, but closed.
 Solid make_lumpy_sphere(int level) {
   Solid solid = make_sphere(level);
   for (Vec3f& v : solid.vertices) {
@@ -44,7 +44,7 @@ float uniform(std::mt19937& random, float low, float high) {
   return low + (high - low) * (static_cast<float>(random() >> 8) * 0x1p-24f);
 }
 
-// Within a box `scale` times as large as `bounds`.
+// A random point in a box `scale` times as large as `bounds`.
 Vec3f random_point(std::mt19937& random, const Box3f& bounds, float scale) {
   Vec3f point;
   for (int axis = 0; axis < 3; ++axis) {
@@ -67,8 +67,8 @@ class Aim {
     do {
       outside_ = random_point(random_, bounds_, 3.0f);
     } while (bvh_.contains(outside_));
-    // Half way between the first crossing and the second of a line from outside, unless that is too thin a
-    // place.
+    // A point half way between the first two crossings of a line from outside, unless it is too close to the
+    // surface.
     Hit hits[2];
     do {
       const Ray ray{.origin = outside_, .direction = target() - outside_};
@@ -77,7 +77,7 @@ class Aim {
     } while (!bvh_.contains(inside_) || bvh_.closest_point(inside_, margin_).has_value());
   }
 
-  // A vertex, the middle of an edge, or any point of it, as well as floats can say.
+  // A vertex, the middle of an edge or any point of it, as exactly as floats can represent it.
   Vec3f target() {
     const auto& triangle = solid_.triangles[random_() % solid_.triangles.size()];
     const std::size_t corner = random_() % 3;
@@ -102,7 +102,8 @@ class Aim {
         counts.parity_errors += crossings({.origin = outside_, .direction = at - outside_}) % 2;
         return;
       default:
-        // Beyond the target as seen from inside; where the surface is not convex that may be inside again.
+        // The ray starts beyond the target as seen from inside. If the surface is not convex, that may be
+        // inside again.
         const Vec3f origin = at + uniform(random_, 0.1f, 2.0f) * (at - inside_);
         const Ray segment{.origin = origin, .direction = inside_ - origin, .t_min = 0.0f, .t_max = 1.0f};
         if (!bvh_.contains(origin)) return expect_through(segment, counts);
@@ -152,11 +153,11 @@ std::vector<NamedSolid> make_watertight_solids() {
 }
 
 AimedRayCounts trace_aimed_rays(const Solid& solid, const Bvh& bvh, std::uint64_t count, std::uint32_t seed) {
-  constexpr std::uint64_t rays_of_a_point = 256;  // finding points costs a few rays each
+  constexpr std::uint64_t rays_per_point = 256;  // finding a point takes a few rays
   AimedRayCounts counts;
   Aim aim(solid, bvh, seed);
   while (counts.rays < count) {
-    if (counts.rays % rays_of_a_point == 0) aim.choose_points();
+    if (counts.rays % rays_per_point == 0) aim.choose_points();
     aim.trace(counts);
   }
   return counts;

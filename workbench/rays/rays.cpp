@@ -19,8 +19,9 @@ constexpr std::size_t tile_size = 8;
 /// Length of an ambient-occlusion ray, in diagonals of the scene.
 constexpr float ao_reach = 0.25f;
 
-/// How far above its surface a secondary ray starts, in diagonals of the scene. It must outweigh the rounding
-/// of the hit point, 1e-7 of the coordinates, and is less than a millimetre in a room of twenty metres.
+/// The distance of the start of a secondary ray from its surface, in diagonals of the scene. It must exceed
+/// the rounding error of the hit point, 1e-7 of the coordinates. It is less than a millimetre in a room of
+/// twenty metres.
 constexpr float secondary_offset = 1e-5f;
 
 template <class Visit>
@@ -55,7 +56,7 @@ SurfacePoint surface_at(const Scene& scene, const Ray& ray, const Hit& hit) {
   const auto& [a, b, c] = scene.triangles[hit.primitive];
   const Vec3f v0 = scene.vertices[a], v1 = scene.vertices[b], v2 = scene.vertices[c];
   const Vec3f position = (1.0f - hit.u - hit.v) * v0 + hit.u * v1 + hit.v * v2;
-  // In double precision neither tiny nor huge triangles lose their normal.
+  // In double precision the normals of tiny and huge triangles neither underflow nor overflow.
   const double ex = double{v1.x} - v0.x, ey = double{v1.y} - v0.y, ez = double{v1.z} - v0.z;
   const double fx = double{v2.x} - v0.x, fy = double{v2.y} - v0.y, fz = double{v2.z} - v0.z;
   const double nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
@@ -80,12 +81,12 @@ Vec3f cosine_distributed(const Vec3f& normal, RandomNumbers& random) {
   return r * cosine * tangent + r * sine * bitangent + std::sqrt(1.0f - r2) * normal;
 }
 
-float largest_coordinate(const Box3f& box) {
-  float largest = 0.0f;
+float max_abs_coordinate(const Box3f& box) {
+  float max = 0.0f;
   for (int axis = 0; axis < 3; ++axis) {
-    largest = std::max({largest, std::abs(box.lower[axis]), std::abs(box.upper[axis])});
+    max = std::max({max, std::abs(box.lower[axis]), std::abs(box.upper[axis])});
   }
-  return largest;
+  return max;
 }
 
 }  // namespace
@@ -111,7 +112,7 @@ RaySet make_rays(const Scene& scene, const Bvh& bvh, RayType type, const RaySetO
   std::vector<Hit> hits(set.rays.size());
   bvh.intersect(set.rays, hits);
   const float diagonal = length(extent(bounds));
-  const float rounding = 8.0f * std::numeric_limits<float>::epsilon() * largest_coordinate(bounds);
+  const float rounding = 8.0f * std::numeric_limits<float>::epsilon() * max_abs_coordinate(bounds);
   const float offset = std::max(secondary_offset * diagonal, rounding);
 
   std::size_t count = 0;

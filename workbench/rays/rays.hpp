@@ -1,5 +1,5 @@
-// The rays that engines and builders are compared with: the same for the same scene, on every run and
-// machine.
+// The rays with which engines and builders are compared. They are the same for the same scene, in every run
+// and on every machine.
 #pragma once
 
 #include <cstddef>
@@ -35,8 +35,8 @@ struct RaySetOptions {
   std::size_t height = 192;
 };
 
-/// The rays through every viewpoint of `scene`. `bvh` is any hierarchy of the scene: it finds the primary
-/// hits that the secondary rays leave from.
+/// The rays of `type` for all viewpoints of `scene`. `bvh` is any hierarchy of the scene, which finds the
+/// primary hits from which secondary rays start.
 RaySet make_rays(const Scene& scene, const kerf::Bvh& bvh, RayType type, const RaySetOptions& options = {});
 
 }  // namespace workbench

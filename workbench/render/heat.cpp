@@ -11,8 +11,8 @@
 namespace workbench {
 namespace {
 
-// From night blue through magenta and orange to pale yellow: lightness rises evenly, so that the picture
-// reads the same in grey and to those who cannot tell red from green.
+// From night blue through magenta and orange to pale yellow. Lightness rises evenly, so that the picture
+// reads the same in grey and for the colour-blind.
 constexpr std::array<Pixel, 8> heat_stops{{{6, 8, 30},
                                            {38, 18, 92},
                                            {92, 22, 122},
@@ -22,12 +22,12 @@ constexpr std::array<Pixel, 8> heat_stops{{{6, 8, 30},
                                            {252, 176, 58},
                                            {252, 250, 190}}};
 
-// Where scales may end, in powers of ten: quarters of these are round as well, and stand in the legend.
+// Where scales may end, times a power of ten. Quarters of these are round numbers as well, for the legend.
 constexpr float round_ends[] = {1.0f, 1.2f, 1.6f, 2.0f, 2.4f, 2.8f, 3.2f, 4.0f, 5.0f, 6.0f, 8.0f};
 
-// The part of the pixels that may lie beyond the end of the scale; a few extreme rays would darken all
-// others.
-constexpr double clipped_part = 0.002;
+// The fraction of the pixels that may lie beyond the end of the scale. Without it, a few extreme rays would
+// darken all others.
+constexpr double clipped_fraction = 0.002;
 
 }  // namespace
 
@@ -49,7 +49,8 @@ float common_scale(std::span<const HeatMap> maps) {
   std::vector<float> costs;
   for (const HeatMap& map : maps) costs.insert(costs.end(), map.costs.begin(), map.costs.end());
   if (costs.empty()) return 1.0f;
-  const auto rank = static_cast<std::size_t>(static_cast<double>(costs.size() - 1) * (1.0 - clipped_part));
+  const auto rank =
+      static_cast<std::size_t>(static_cast<double>(costs.size() - 1) * (1.0 - clipped_fraction));
   std::nth_element(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(rank), costs.end());
   const float limit = std::max(costs[rank], 1.0f);
   const float decade = std::pow(10.0f, std::floor(std::log10(limit)));
@@ -62,11 +63,11 @@ float common_scale(std::span<const HeatMap> maps) {
 Pixel heat_colour(float fraction) {
   const float place = std::clamp(fraction, 0.0f, 1.0f) * static_cast<float>(heat_stops.size() - 1);
   const std::size_t stop = std::min(static_cast<std::size_t>(place), heat_stops.size() - 2);
-  const float part = place - static_cast<float>(stop);
+  const float weight = place - static_cast<float>(stop);
   Pixel mixed{};
   for (std::size_t c = 0; c < mixed.size(); ++c) {
     const float from = heat_stops[stop][c], to = heat_stops[stop + 1][c];
-    mixed[c] = static_cast<std::uint8_t>(std::lround(from + part * (to - from)));
+    mixed[c] = static_cast<std::uint8_t>(std::lround(from + weight * (to - from)));
   }
   return mixed;
 }

@@ -1,4 +1,4 @@
-// The heat view: what each pixel's ray cost, as a colour.
+// The heat view: the cost of each pixel's ray as a colour.
 #pragma once
 
 #include <cstddef>
@@ -19,16 +19,16 @@ struct HeatMap {
   std::vector<float> costs;  ///< row after row from the top left
 };
 
+/// Traces the primary rays of `viewpoint`.
 HeatMap trace_heat(const kerf::Bvh& bvh, const Viewpoint& viewpoint, std::size_t width, std::size_t height);
 
-/// Where a scale that serves all of `maps` ends: a round number that all but a few in a thousand pixels stay
-/// below.
+/// The end of a scale for all of `maps`: a round number that all but a few pixels per thousand stay below.
 float common_scale(std::span<const HeatMap> maps);
 
-/// The colour of `fraction` of the scale; beyond 1 it stays as at 1.
+/// The colour at `fraction` of the scale; beyond 1 that of 1.
 Pixel heat_colour(float fraction);
 
-/// `map` in colours from 0 to `scale`.
+/// `map` in the colours of a scale from 0 to `scale`.
 Image colour(const HeatMap& map, float scale);
 
 }  // namespace workbench

@@ -16,15 +16,15 @@ namespace {
 
 using namespace kerf;
 
-// As for the ambient-occlusion rays that are measured (design, section 6), in diagonals of the scene.
+// In diagonals of the scene, as for the ambient-occlusion rays that are measured.
 constexpr float ambient_reach = 0.25f;
-// In shaded pictures, shorter: rooms smaller than the reach would lie in the dark.
+// Shorter in shaded pictures, where rooms smaller than the reach would be dark.
 constexpr float shading_reach = 0.06f;
-// How far a secondary ray starts above its surface, in scene diagonals: well above the rounding of a hit
-// point.
+// The distance of the start of a secondary ray from its surface, in diagonals of the scene: well above the
+// rounding error of a hit point.
 constexpr float lift = 1e-5f;
 
-// Linear light. A warm sun, a blue sky and a little light from the camera, so that closed rooms are not
+// Linear light: a warm sun, a blue sky, and a little light from the camera, so that closed rooms are not
 // black.
 constexpr Vec3f clay{0.64f, 0.61f, 0.57f};
 constexpr Vec3f sun_light{1.55f, 1.28f, 0.95f};
@@ -35,8 +35,8 @@ constexpr Vec3f bounced_light{0.07f, 0.055f, 0.04f};  // what reaches corners fr
 constexpr Vec3f zenith{0.14f, 0.27f, 0.52f};
 constexpr Vec3f horizon{0.62f, 0.72f, 0.84f};
 
-Vec3f mix(const Vec3f& a, const Vec3f& b, float part) {
-  return (1.0f - part) * a + part * b;
+Vec3f mix(const Vec3f& a, const Vec3f& b, float t) {
+  return (1.0f - t) * a + t * b;
 }
 Vec3f multiply(const Vec3f& a, const Vec3f& b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
@@ -62,7 +62,7 @@ class Studio {
  public:
   Studio(const Scene& scene, const Bvh& bvh, const Viewpoint& viewpoint)
       : scene_(scene), bvh_(bvh), up_(normalize(viewpoint.up)), diagonal_(length(extent(bvh.bounds()))) {
-    // The sun stands behind the viewer's left shoulder, half way up.
+    // The sun is behind the viewer's left shoulder, half way up.
     const Vec3f back = normalize(viewpoint.position - viewpoint.target);
     const Frame frame = frame_around(up_);
     const float along_x = dot(back, frame.x), along_y = dot(back, frame.y);
@@ -84,7 +84,7 @@ class Studio {
     return Surface{ray.origin + hit->t * ray.direction + lift * diagonal_ * normal, normal, hit->t};
   }
 
-  // The part of the cosine-weighted hemisphere that is open within `reach` diagonals.
+  // The fraction of the cosine-weighted hemisphere that is open within `reach` diagonals.
   float openness(const Surface& surface, float reach, unsigned samples, RandomNumbers& random) const {
     const Frame frame = frame_around(surface.normal);
     const float turn = random.uniform();
@@ -124,8 +124,8 @@ class Studio {
   float diagonal_;
 };
 
-// Rolls highlights off instead of clipping them, then encodes as sRGB does, near enough, with a power of 1
-// / 2.2.
+// Compresses highlights instead of clipping them, then encodes with a power of 1 / 2.2, which is close to
+// sRGB.
 Pixel develop(const Vec3f& light) {
   Pixel pixel{};
   for (int c = 0; c < 3; ++c) {
@@ -137,7 +137,7 @@ Pixel develop(const Vec3f& light) {
   return pixel;
 }
 
-// Every pixel is the mean of `light_along(ray, random)` over a grid of camera rays.
+// Each pixel is the mean of `light_along(ray, random)` over a grid of camera rays.
 template <class LightAlong>
 Image render(const Viewpoint& viewpoint, const RenderOptions& options, const LightAlong& light_along) {
   Image image(options.width, options.height);
@@ -183,7 +183,7 @@ Image render_ambient_occlusion(const Scene& scene, const Bvh& bvh, const Viewpoi
   const Studio studio(scene, bvh, viewpoint);
   return render(viewpoint, options, [&](const Ray& ray, RandomNumbers& random) {
     const auto surface = studio.hit(ray);
-    // 2 comes out of `develop` all but white.
+    // `develop` makes almost white of 2.
     const float light =
         surface ? 2.0f * studio.openness(*surface, ambient_reach, options.ambient_samples, random) : 2.0f;
     return Vec3f{light, light, light};

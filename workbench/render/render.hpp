@@ -1,4 +1,4 @@
-// Pictures of a scene, made with the hierarchy under test: a wrong hierarchy shows.
+// Pictures of a scene, traced through the hierarchy under test, so that errors of the hierarchy are visible.
 #pragma once
 
 #include <functional>
@@ -13,11 +13,11 @@ namespace workbench {
 struct RenderOptions {
   std::size_t width = 1280;
   std::size_t height = 800;
-  unsigned samples = 2;          ///< a side: each pixel is the mean of samples x samples camera rays
-  unsigned ambient_samples = 6;  ///< ambient-occlusion rays a camera ray
+  unsigned samples = 2;          ///< per side: a pixel is the mean of samples x samples camera rays
+  unsigned ambient_samples = 6;  ///< ambient-occlusion rays per camera ray
 
-  /// Called now and then, never from two threads at once, with the part that is done.
-  std::function<void(double)> progress = {};
+  /// Called repeatedly, never from two threads at once, with the fraction that is done.
+  std::function<void(double fraction)> progress = {};
 };
 
 /// Clay under a sun and a sky, with shadows, ambient occlusion and haze.

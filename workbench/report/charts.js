@@ -1,11 +1,11 @@
-// Draws the charts of a report from the figures that stand in the page.
+// Draws the charts of a report from the figures in the page.
 (() => {
   'use strict';
   const { scenes } = JSON.parse(document.getElementById('figures').textContent);
   const rayTypes = ['primary', 'ao', 'diffuse'];
   const dark = matchMedia('(prefers-color-scheme: dark)');
 
-  // Colours that the colour-blind can tell apart (Okabe & Ito 2008); grey for the plain BVH that others are held against.
+  // Colours that the colour-blind can distinguish (Okabe & Ito 2008); grey for the plain BVH, the base of comparison.
   const palette = {
     bvh: ['#8b9199', '#8b9199'],
     sbvh: ['#0072b2', '#4fb0e3'],

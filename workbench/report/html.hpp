@@ -1,4 +1,4 @@
-// The few pieces of text that HTML is made of.
+// Escapes and encodings of HTML.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace workbench {
 
-/// `text` as it may stand between tags and in quoted attributes.
+/// `text` for use between tags and in quoted attributes.
 std::string escape_html(std::string_view text);
 
-/// JSON as it may stand inside a script element, which would end at the first `</script`.
+/// JSON for use in a script element, which would end at the first `</script`.
 std::string escape_script(std::string_view json);
 
-/// RFC 4648, section 4.
+/// The Base64 encoding (RFC 4648, section 4).
 std::string base64(std::span<const std::uint8_t> bytes);
 
 }  // namespace workbench

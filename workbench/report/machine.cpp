@@ -10,7 +10,7 @@
 namespace workbench {
 namespace {
 
-// What follows `key` and `separator` in the first line of `file` that has them; empty if none has.
+// What follows `key` and `separator` in the first line of `file` that has them. Empty if there is none.
 std::string look_up(const char* file, std::string_view key, char separator) {
   std::ifstream stream(file);
   for (std::string line; std::getline(stream, line);) {

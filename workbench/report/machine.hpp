@@ -1,4 +1,4 @@
-// Where measurements were made.
+// The machine on which measurements were made.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@ namespace workbench {
 
 struct Machine {
   std::string processor;  ///< as the operating system calls it
-  unsigned threads = 0;   ///< that the operating system offers
+  unsigned threads = 0;   ///< hardware threads that the operating system offers
   std::string system;     ///< the distribution and the kernel
   std::string compiler;   ///< that this program was compiled with
 };

@@ -12,11 +12,11 @@
 namespace workbench {
 namespace {
 
-// Nothing may be loaded: the browser itself enforces it.
+// Nothing may be loaded. The browser enforces it.
 constexpr std::string_view content_policy =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
-// Counts errors from the first moment on, for the test that opens the page.
+// Counts errors from the start, for the test that opens the page.
 constexpr std::string_view error_counter = R"(
   document.documentElement.dataset.errors = 0;
   addEventListener('error', () => { document.documentElement.dataset.errors++; }, true);
@@ -28,8 +28,8 @@ constexpr std::string_view comparison_lead =
     "Bounding volume hierarchies with spatial splits (<b>sbvh</b>: Stich, Friedrich &amp; Dietrich 2009) "
     "beside plain object splits (<b>bvh</b>) and two ways of splitting triangles beforehand, with the same "
     "number of references: early split clipping (<b>esc</b>: Ernst &amp; Greiner 2007) and the edge volume "
-    "heuristic (<b>evh</b>: Dammertz &amp; Keller 2008). All traced the same rays in the same run, taking "
-    "turns.";
+    "heuristic (<b>evh</b>: Dammertz &amp; Keller 2008). All traced the same rays in the same run, "
+    "interleaved.";
 
 constexpr std::string_view sweep_lead =
     "A spatial split is tried where the children of the best object split overlap by more than <i>α</i> of "
@@ -82,15 +82,15 @@ std::string charts(const Report& report, std::size_t scene) {
   if (report.kind == Report::Kind::sweep) {
     return "<div class=\"charts\">\n" +
            chart("sweep-cost", scene, "Cost and references, relative to the first α") +
-           chart("sweep-speed", scene, "Rays a second, relative to the first α") + "</div>\n";
+           chart("sweep-speed", scene, "Rays per second, relative to the first α") + "</div>\n";
   }
   return "<div class=\"charts\">\n" +
          chart("tree", scene,
                fmt::format("Trees, relative to {} <small>lower is better</small>",
                            escape_html(report.scenes[scene].figures.builders[0].name))) +
          chart("work", scene,
-               "Steps (solid) and triangle tests (light) a ray <small>lower is better</small>") +
-         chart("speed", scene, "Million rays a second <small>higher is better</small>") + "</div>\n";
+               "Steps (solid) and triangle tests (light) per ray <small>lower is better</small>") +
+         chart("speed", scene, "Million rays per second <small>higher is better</small>") + "</div>\n";
 }
 
 // The bar of colours under the heat views, with its numbers.
@@ -126,7 +126,7 @@ std::string gallery(const Report& report, const ReportScene& scene) {
     const std::string label =
         report.kind == Report::Kind::sweep ? "α = " + format_alpha(builder.alpha) : builder.name;
     figures += fmt::format(
-        "<figure>\n{}{}<figcaption><b>{}</b> <span>{:.1f} steps + {:.1f} tests a primary ray, mean of all "
+        "<figure>\n{}{}<figcaption><b>{}</b> <span>{:.1f} steps + {:.1f} tests per primary ray, mean of all "
         "viewpoints</span></figcaption></figure>\n",
         picture(scene.pictures[i].heat, "heat", label, scene.figures.name),
         picture(scene.pictures[i].shaded, "shaded", label, scene.figures.name), escape_html(label),

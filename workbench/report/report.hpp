@@ -1,4 +1,4 @@
-// A comparison as one web page that needs nothing else: no network, no other file.
+// A comparison as a web page that needs no network and no other file.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,16 @@
 
 namespace workbench {
 
-/// What one hierarchy shows of its scene, as PNG files.
+/// The pictures of a scene that were traced through one hierarchy, as PNG files.
 struct Pictures {
   std::vector<std::uint8_t> shaded;
-  std::vector<std::uint8_t> heat;  ///< on the scale of its scene
+  std::vector<std::uint8_t> heat;  ///< on the scale of the scene
 };
 
 struct ReportScene {
   SceneFigures figures;
-  std::vector<Pictures> pictures = {};  ///< one for each builder, or none
-  float heat_scale = 1.0f;              ///< steps plus triangle tests where the colours end
+  std::vector<Pictures> pictures = {};  ///< one per builder, or none
+  float heat_scale = 1.0f;              ///< steps plus triangle tests at the end of the colours
 };
 
 struct Report {
@@ -36,12 +36,12 @@ struct Report {
   Machine machine;
 };
 
-/// The page. Once it has loaded, its root element has in `data-charts-drawn` and `data-pictures-shown` how
-/// many of these there are, and in `data-errors` the number of script errors and of loads that failed or were
-/// refused.
+/// The page. Once it has loaded, its root element has the numbers of charts and pictures in
+/// `data-charts-drawn` and `data-pictures-shown`, and in `data-errors` the number of script errors and of
+/// loads that failed or were refused.
 std::string render_html(const Report& report);
 
-/// Renders every hierarchy from the scene's first viewpoint. The heat views share one scale.
+/// Renders the scene from its first viewpoint through every hierarchy. The heat views share one scale.
 ReportScene make_report_scene(const Scene& scene, const Comparison& comparison, std::size_t width,
                               std::size_t height);
 

@@ -8,8 +8,7 @@
 namespace workbench {
 namespace {
 
-// A table that is put together column by column, so that the best of each can be marked, and written row by
-// row.
+// A table that is composed column by column, so that the best of each can be marked, and written row by row.
 class HtmlTable {
  public:
   HtmlTable(std::string_view caption, std::string_view row_head, std::vector<std::string> row_names)
@@ -19,7 +18,7 @@ class HtmlTable {
     }
   }
 
-  // Figures, each with its ratio to the first; the best is marked.
+  // Adds a column of figures, each with its ratio to the first. The best is marked.
   void add(std::string_view head, std::string_view meaning, const std::vector<double>& values,
            bool higher_is_better, std::string (*format)(double)) {
     heads_ += fmt::format("<th scope=\"col\" title=\"{}\">{}</th>", escape_html(meaning), escape_html(head));
@@ -69,7 +68,7 @@ std::string html_summary(std::span<const SceneFigures> scenes) {
       if (builder.name != "sbvh" || base.name == "sbvh") continue;
       body += fmt::format(
           "<a class=\"card\" href=\"#scene-{}\"><h3>{}</h3>\n<p><b>{}</b> the SAH cost</p>\n"
-          "<p><b>{}</b> the rays a second (primary, AO)</p>\n<p><b>{}</b> the references</p></a>\n",
+          "<p><b>{}</b> the rays per second (primary, AO)</p>\n<p><b>{}</b> the references</p></a>\n",
           s, escape_html(scene.name), format_ratio(builder.sah, base.sah),
           format_ratio(rays_per_second(builder, {RayType::primary, RayType::ao}),
                        rays_per_second(base, {RayType::primary, RayType::ao})),

@@ -8,10 +8,10 @@
 
 namespace workbench {
 
-/// All scenes at a glance: for each builder its cost and its speed, relative to the first.
+/// All scenes at a glance: the cost and the speed of the SBVH relative to the first builder.
 std::string html_summary(std::span<const SceneFigures> scenes);
 
-/// One scene: its trees, and one table for each type of ray.
+/// One scene: a table of its trees, and one per type of ray.
 std::string html_tables(const SceneFigures& scene);
 
 /// One scene over alpha.
@@ -20,7 +20,7 @@ std::string html_sweep_table(const SceneFigures& scene);
 /// Whether the hits of all builders agree, as a sentence.
 std::string html_agreement(const SceneFigures& scene);
 
-/// Every measure and every type of ray in one line each.
+/// Every measure and every type of ray, explained in one line each.
 std::string html_glossary();
 
 }  // namespace workbench

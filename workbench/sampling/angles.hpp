@@ -1,4 +1,4 @@
-// Sines and cosines that are the same on every machine, which those of the C library are not.
+// Sines and cosines that are the same on every machine, unlike those of the C library.
 #pragma once
 
 #include <cmath>
@@ -10,9 +10,11 @@ struct SineCosine {
   float cosine;
 };
 
-/// Of an angle in full turns: 0.25 is a right angle. Exact at quarter turns, elsewhere within an ulp or so.
+/// The sine and cosine of an angle in full turns: 0.25 is a right angle. They are exact at quarter turns and
+/// elsewhere accurate to about an ulp.
 ///
-/// Taylor series in double precision on an eighth of a turn; it uses nothing that IEEE 754 does not fix.
+/// Evaluates Taylor series in double precision on an eighth of a turn, with operations that IEEE 754 defines
+/// exactly.
 inline SineCosine sine_cosine(double turns) {
   const double quarters = turns * 4.0;
   const double nearest = std::floor(quarters + 0.5);

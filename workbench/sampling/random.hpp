@@ -1,20 +1,20 @@
-// Random numbers that are the same on every machine, which those of the standard's distributions are not.
+// Random numbers that are the same on every machine, unlike those of the standard's distributions.
 #pragma once
 
 #include <cstdint>
 
 namespace workbench {
 
-/// Scrambles 64 bits so that neighbouring inputs share nothing visible (the finisher of SplitMix64; Steele,
-/// Lea & Flood 2014, "Fast Splittable Pseudorandom Number Generators").
+/// Scrambles 64 bits so that the outputs of neighbouring inputs seem independent (the finisher of SplitMix64;
+/// Steele, Lea & Flood 2014, "Fast Splittable Pseudorandom Number Generators").
 constexpr std::uint64_t scramble(std::uint64_t x) {
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
   x = (x ^ x >> 27) * 0x94d049bb133111ebu;
   return x ^ x >> 31;
 }
 
-/// SplitMix64. Streams of different seeds have nothing to do with each other. Draw at most one number in a
-/// full expression (braces keep their order, arguments and operands do not): compilers differ.
+/// SplitMix64. Streams of different seeds are independent. Draw at most one number per full expression,
+/// except in braces: compilers evaluate arguments and operands in different orders.
 class RandomNumbers {
  public:
   constexpr explicit RandomNumbers(std::uint64_t seed) : state_(scramble(seed + step)) {}

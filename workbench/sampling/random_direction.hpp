@@ -1,4 +1,4 @@
-// Directions that favour none.
+// Uniformly distributed directions.
 #pragma once
 
 #include <cmath>
@@ -10,8 +10,8 @@
 
 namespace workbench {
 
-/// Uniform on the unit sphere: a slice between two parallel planes has an area proportional to their
-/// distance.
+/// A direction that is uniformly distributed on the unit sphere: the area of the sphere between two parallel
+/// planes is proportional to their distance (Archimedes), so that its height is uniformly distributed.
 inline kerf::Vec3f random_direction(RandomNumbers& random) {
   const float y = random.between(-1.0f, 1.0f), r = std::sqrt(1.0f - y * y);
   const auto [sine, cosine] = sine_cosine(random.uniform());

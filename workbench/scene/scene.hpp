@@ -1,4 +1,4 @@
-// A scene: one triangle mesh, and the viewpoints from which it is looked at.
+// A scene: one triangle mesh, and viewpoints of cameras.
 #pragma once
 
 #include <array>

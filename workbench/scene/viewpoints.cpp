@@ -14,13 +14,13 @@ namespace {
 
 using namespace kerf;
 
-/// Enough triangles to tell open places from closed ones; the hierarchy over so many is built in no time.
+/// So many triangles distinguish open places from closed ones, and the hierarchy over them is built quickly.
 constexpr std::size_t sample_size = 100'000;
 
-/// Directions looked in round a place: every 22.5 degrees, three slopes each.
+/// From each place rays go in directions 22.5 degrees apart, with three slopes each.
 constexpr int directions = 16;
 constexpr float slopes[] = {-0.45f, -0.15f, 0.15f};
-constexpr int half_view = 2;  // directions to each side of the middle of a picture
+constexpr int half_view = 2;  // number of directions on either side of the middle of a picture
 
 struct Candidate {
   Viewpoint viewpoint;
@@ -35,7 +35,7 @@ Vec3f vertex(const TriangleMesh& mesh, std::uint32_t i) {
 Box3f bounds_of(const TriangleMesh& mesh) {
   Box3f bounds;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (const std::uint32_t number : mesh.triangles[i].values) bounds = merge(bounds, vertex(mesh, number));
+    for (const std::uint32_t index : mesh.triangles[i].values) bounds = merge(bounds, vertex(mesh, index));
   }
   return bounds;
 }
@@ -48,25 +48,26 @@ TriangleMesh sample_of(const TriangleMesh& mesh) {
   return sample;
 }
 
-// The distance of what is seen in a direction, and 0 where nothing is. The back of a surface counts for
-// little: who sees many of them stands in a solid.
-float seen(const TriangleMesh& sample, const Bvh& bvh, const Ray& ray) {
-  constexpr float worth_of_backs = 0.1f;
+// The distance of the hit of `ray`, or 0 if there is none. A hit on the back of a surface counts for little:
+// a place from which many backs are visible lies in a solid.
+float visible_distance(const TriangleMesh& sample, const Bvh& bvh, const Ray& ray) {
+  constexpr float weight_of_backs = 0.1f;
   const auto hit = bvh.intersect(ray);
   if (!hit) return 0.0f;
   const auto [a, b, c] = sample.triangles[hit->primitive].values;
   const Vec3f v0 = vertex(sample, a), normal = cross(vertex(sample, b) - v0, vertex(sample, c) - v0);
-  return dot(normal, ray.direction) > 0.0f ? worth_of_backs * hit->t : hit->t;
+  return dot(normal, ray.direction) > 0.0f ? weight_of_backs * hit->t : hit->t;
 }
 
-// Looks all round and chooses the direction in which a whole picture is farthest away, but not empty.
+// Chooses the direction in which the contents of a whole picture are farthest away, but not missing.
 Candidate look_around(const TriangleMesh& sample, const Bvh& bvh, const Vec3f& position, float diagonal) {
   std::array<float, directions> far{};
   float nearest = diagonal;
   for (int i = 0; i < directions; ++i) {
     const auto [sine, cosine] = sine_cosine(static_cast<double>(i) / directions);
     for (const float slope : slopes) {
-      const float t = seen(sample, bvh, {.origin = position, .direction = normalize({cosine, slope, sine})});
+      const float t =
+          visible_distance(sample, bvh, {.origin = position, .direction = normalize({cosine, slope, sine})});
       far[static_cast<std::size_t>(i)] += t;
       if (t > 0.0f) nearest = std::min(nearest, t);
     }
@@ -83,7 +84,7 @@ Candidate look_around(const TriangleMesh& sample, const Bvh& bvh, const Vec3f& p
     best.viewpoint.target = position + diagonal * Vec3f{cosine, slopes[1], sine};
     best.openness = sum;
   }
-  // A wall close by fills the picture with nothing to see.
+  // A wall close by would fill the picture.
   best.openness *= std::min(1.0f, nearest / (0.03f * diagonal));
   return best;
 }
@@ -101,15 +102,15 @@ std::vector<Viewpoint> choose_inside(const TriangleMesh& mesh, const Box3f& boun
       }
     }
   }
-  // The most open one, then twice the one that is open and far from those chosen before.
+  // First the most open place, then twice a place that is open and far from those chosen before.
   std::vector<Viewpoint> chosen;
   while (chosen.size() < 3) {
     const auto worth = [&](const Candidate& candidate) {
-      float apart = 0.25f * diagonal;
+      float distance = 0.25f * diagonal;
       for (const Viewpoint& other : chosen) {
-        apart = std::min(apart, length(other.position - candidate.viewpoint.position));
+        distance = std::min(distance, length(other.position - candidate.viewpoint.position));
       }
-      return candidate.openness * apart;
+      return candidate.openness * distance;
     };
     const auto best = std::max_element(candidates.begin(), candidates.end(),
                                        [&](const auto& a, const auto& b) { return worth(a) < worth(b); });
@@ -118,17 +119,16 @@ std::vector<Viewpoint> choose_inside(const TriangleMesh& mesh, const Box3f& boun
   return chosen;
 }
 
-// As near as a picture of 4 by 3 shows all vertices.
+// From as near as possible for a picture of 4 by 3 to show all vertices.
 Viewpoint look_from_outside(const TriangleMesh& mesh, const Vec3f& center, float radius,
                             const Vec3f& direction) {
-  constexpr float field_of_view = 45.0f, half_height = 0.41421356f,
-                  aspect = 4.0f / 3.0f;  // tan(45 degrees / 2)
-  constexpr float margin = 1.03f;
+  constexpr float field_of_view = 45.0f, half_height = 0.41421356f;  // tan(45 degrees / 2)
+  constexpr float aspect = 4.0f / 3.0f, margin = 1.03f;
   const Vec3f right = normalize(cross({0, 1, 0}, direction)), up = cross(direction, right);
   float distance = radius;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (const std::uint32_t number : mesh.triangles[i].values) {
-      const Vec3f p = vertex(mesh, number) - center;
+    for (const std::uint32_t index : mesh.triangles[i].values) {
+      const Vec3f p = vertex(mesh, index) - center;
       const float aside = std::max(std::abs(dot(p, up)), std::abs(dot(p, right)) / aspect);
       distance = std::max(distance, dot(p, direction) + margin * aside / half_height);
     }
@@ -145,7 +145,7 @@ std::vector<Viewpoint> choose_viewpoints(const TriangleMesh& mesh) {
   const Box3f bounds = bounds_of(mesh);
   const Vec3f center = 0.5f * bounds.lower + 0.5f * bounds.upper;
   const float far_from_origin = std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)});
-  // What has no extent is looked at from a distance that a float can still tell from none.
+  // A mesh without extent is viewed from a distance that is not rounded away.
   float radius = std::max(0.5f * length(extent(bounds)), 1e-5f * far_from_origin);
   if (radius == 0.0f) radius = 1.0f;
 

@@ -1,4 +1,4 @@
-// Where to look at a scene from of which nothing is known but its triangles.
+// Viewpoints for a scene of which nothing but the triangles is known.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace workbench {
 
-/// Three viewpoints inside the bounds, in open places looking far, then three outside from which all of the
-/// mesh is seen. The y axis is up. The same for the same mesh, on every run. The mesh must be valid.
+/// Three viewpoints inside the bounds, in open places with a long view, then three outside from which all of
+/// the mesh is visible. The y axis is up. The result depends on the mesh alone. The mesh must be valid.
 std::vector<Viewpoint> choose_viewpoints(const kerf::TriangleMesh& mesh);
 
 }  // namespace workbench

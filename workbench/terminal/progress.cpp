@@ -10,29 +10,30 @@ namespace workbench {
 namespace {
 
 constexpr std::size_t bar_width = 32;
-constexpr std::size_t usual_columns = 80;
+constexpr std::size_t default_columns = 80;
 
 std::size_t columns_of(std::FILE* stream) {
   winsize size{};
-  if (ioctl(fileno(stream), TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return usual_columns;
+  if (ioctl(fileno(stream), TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return default_columns;
   return size.ws_col;
 }
 
 }  // namespace
 
-std::string draw_bar(double part, std::string_view what, std::size_t columns) {
-  // A full block, and blocks of one to seven eighths for the end of the bar.
+std::string draw_bar(double fraction, std::string_view what, std::size_t columns) {
+  // Blocks of zero to seven eighths, for the end of the bar.
   static constexpr std::string_view eighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
   constexpr std::size_t percentage_width = 8;
-  part = std::clamp(part, 0.0, 1.0);
-  const auto filled = static_cast<std::size_t>(part * 8.0 * bar_width);
+  fraction = std::clamp(fraction, 0.0, 1.0);
+  const auto filled = static_cast<std::size_t>(fraction * 8.0 * bar_width);
   std::string bar;
   for (std::size_t i = 0; i < filled / 8; ++i) bar += "█";
   bar += eighths[filled % 8];
   const std::size_t blanks = bar_width - filled / 8 - (filled % 8 != 0);
   const std::size_t room =
       columns > bar_width + percentage_width ? columns - bar_width - percentage_width : 0;
-  return fmt::format("{}{} {:3.0f} %  {}", bar, std::string(blanks, ' '), 100.0 * part, what.substr(0, room));
+  return fmt::format("{}{} {:3.0f} %  {}", bar, std::string(blanks, ' '), 100.0 * fraction,
+                     what.substr(0, room));
 }
 
 ProgressBar::ProgressBar(std::FILE* stream) : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {}
@@ -41,10 +42,10 @@ ProgressBar::~ProgressBar() {
   clear();
 }
 
-void ProgressBar::show(double part, std::string_view what) {
+void ProgressBar::show(double fraction, std::string_view what) {
   if (!terminal_) return;
   const std::lock_guard lock(mutex_);
-  std::string line = draw_bar(part, what, columns_of(stream_) - 1);
+  std::string line = draw_bar(fraction, what, columns_of(stream_) - 1);
   if (line == drawn_) return;
   fmt::print(stream_, "\r{}\033[K", line);
   std::fflush(stream_);

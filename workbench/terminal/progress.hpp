@@ -1,4 +1,4 @@
-// A bar on the terminal while long work runs.
+// A progress bar on the terminal for long work.
 #pragma once
 
 #include <cstdio>
@@ -8,8 +8,8 @@
 
 namespace workbench {
 
-/// Draws on standard error if that is a terminal, and does nothing if it is not. The bar is gone when this
-/// is. May be shown from any thread.
+/// Draws on standard error if that is a terminal, and does nothing otherwise. The destructor removes the bar.
+/// Any thread may call `show`.
 class ProgressBar {
  public:
   explicit ProgressBar(std::FILE* stream = stderr);
@@ -17,10 +17,10 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// The part that is done, in [0, 1], and a word for what is being done.
-  void show(double part, std::string_view what);
+  /// Shows the fraction that is done, in [0, 1], and a word for what is being done.
+  void show(double fraction, std::string_view what);
 
-  /// Takes the bar off the terminal, so that other lines can be written.
+  /// Removes the bar from the terminal, so that other lines can be written.
   void clear();
 
  private:
@@ -31,6 +31,6 @@ class ProgressBar {
 };
 
 /// One line of at most `columns` characters: the bar, the percentage and the word.
-std::string draw_bar(double part, std::string_view what, std::size_t columns);
+std::string draw_bar(double fraction, std::string_view what, std::size_t columns);
 
 }  // namespace workbench

@@ -6,7 +6,7 @@
 namespace workbench {
 namespace {
 
-// Characters of UTF-8 text: bytes that do not continue one.
+// The number of characters of UTF-8 text: bytes that do not continue a character.
 std::size_t width(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char byte) {
     return (static_cast<unsigned char>(byte) & 0xc0u) != 0x80u;
@@ -22,7 +22,7 @@ std::string trim_end(std::string line) {
 
 std::string format(const std::vector<Column>& columns, Emphasis emphasis) {
   std::vector<std::size_t> widths;
-  std::vector<bool> marked;  // columns that leave a blank where another row has the mark
+  std::vector<bool> marked;  // columns in which rows without the mark have a blank instead
   std::size_t rows = 0;
   for (const Column& column : columns) {
     std::size_t widest = width(column.head);

@@ -18,13 +18,14 @@ struct Column {
   std::string gap = "  ";  ///< before the column
 };
 
-/// How the best of a column stands out.
+/// How the best of a column is emphasised.
 enum class Emphasis {
   bold,  ///< for terminals
-  mark,  ///< a `*` behind it, for pipes and files
+  mark,  ///< a `*` after it, for pipes and files
 };
 
-/// Heads and rows, each ending with a line break. Columns may differ in length; what is missing is blank.
+/// The heads and the rows, each on a line that ends with a line break. Columns may differ in length; missing
+/// cells are blank.
 std::string format(const std::vector<Column>& columns, Emphasis emphasis);
 
 }  // namespace workbench
