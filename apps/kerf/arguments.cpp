@@ -6,18 +6,15 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <kerf/error.hpp>
 
-#include "workbench/compare/compare.hpp"
 #include "workbench/open/load_scene.hpp"
 #include "workbench/open/scene_spec.hpp"
 
 namespace kerf_tool {
 namespace {
 
-using kerf::Builder;
+using kerf::BuilderInfo;
 
-constexpr Builder all_builders[] = {Builder::bvh, Builder::sbvh, Builder::esc, Builder::evh};
 constexpr unsigned max_picture_side = 16384;
 
 [[noreturn]] void refuse(const std::string& option, const std::string& sentence) {
@@ -43,21 +40,31 @@ std::vector<std::string> split(const std::string& text, char separator) {
 
 }  // namespace
 
-Builder parse_builder(const std::string& option, const std::string& text) {
-  for (const Builder builder : all_builders) {
-    if (text == workbench::name(builder)) return builder;
+std::string builder_names(std::string_view separator, std::string_view last) {
+  const auto builders = kerf::builders();
+  std::string names;
+  for (const BuilderInfo& info : builders) {
+    if (!names.empty()) names += &info == &builders.back() ? last : separator;
+    names += info.name;
   }
-  refuse(option, fmt::format("there is no builder '{}'; there are bvh, sbvh, esc and evh", text));
+  return names;
 }
 
-std::vector<Builder> parse_builders(const std::string& option, const std::string& text) {
-  std::vector<Builder> builders;
+BuilderInfo parse_builder(const std::string& option, const std::string& text) {
+  for (const BuilderInfo& info : kerf::builders()) {
+    if (text == info.name) return info;
+  }
+  refuse(option,
+         fmt::format("there is no builder '{}'; the builders are {}", text, builder_names(", ", " and ")));
+}
+
+std::vector<BuilderInfo> parse_builders(const std::string& option, const std::string& text) {
+  std::vector<BuilderInfo> builders;
   for (const std::string& word : split(text, ',')) {
-    const Builder builder = parse_builder(option, word);
-    if (std::find(builders.begin(), builders.end(), builder) != builders.end()) {
-      refuse(option, fmt::format("{} is named twice", word));
-    }
-    builders.push_back(builder);
+    const bool is_known = std::any_of(builders.begin(), builders.end(),
+                                      [&](const BuilderInfo& info) { return info.name == word; });
+    if (is_known) refuse(option, fmt::format("{} is named twice", word));
+    builders.push_back(parse_builder(option, word));
   }
   return builders;
 }

@@ -5,10 +5,11 @@
 #include <cstddef>
 #include <new>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include <kerf/build.hpp>
 #include <kerf/error.hpp>
+#include <kerf/inspect.hpp>
 
 #include "workbench/scene/scene.hpp"
 
@@ -22,11 +23,14 @@ inline constexpr const char* scene_help =
 /// No machine has more threads: a larger number is a mistake.
 inline constexpr unsigned max_threads = 1024;
 
-/// `bvh,sbvh`: one or more builders, none twice.
-std::vector<kerf::Builder> parse_builders(const std::string& option, const std::string& text);
+/// The names of all builders, with `last` before the last one: `bvh, sbvh, esc or evh`.
+std::string builder_names(std::string_view separator = ", ", std::string_view last = " or ");
 
-/// One builder.
-kerf::Builder parse_builder(const std::string& option, const std::string& text);
+/// `bvh,sbvh`: one or more builders, none twice.
+std::vector<kerf::BuilderInfo> parse_builders(const std::string& option, const std::string& text);
+
+/// One builder, by its name.
+kerf::BuilderInfo parse_builder(const std::string& option, const std::string& text);
 
 /// A number from 0 to 1.
 float parse_alpha(const std::string& option, const std::string& text);

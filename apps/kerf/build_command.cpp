@@ -23,7 +23,7 @@ struct Options {
 void run(const Options& options) {
   workbench::ProgressBar bar;
   kerf::BuildOptions build;
-  build.builder = parse_builder("--builder", options.builder);
+  build.builder = parse_builder("--builder", options.builder).builder;
   build.alpha = parse_alpha("--alpha", options.alpha);
   build.threads = parse_whole("--threads", options.threads, 0, max_threads);
   build.progress = [&](float fraction) {
@@ -52,7 +52,7 @@ void add_build_command(CLI::App& app) {
   command->add_option("-o,--output", options->output, "The .kerf file to write")
       ->type_name("FILE")
       ->required();
-  command->add_option("--builder", options->builder, "bvh, sbvh, esc or evh")
+  command->add_option("--builder", options->builder, builder_names())
       ->type_name("NAME")
       ->capture_default_str();
   command->add_option("--alpha", options->alpha, "Overlap above which a spatial split is tried, from 0 to 1")

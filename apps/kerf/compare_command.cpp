@@ -10,7 +10,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> scenes;
-  std::string builders = "bvh,sbvh,esc,evh";
+  std::string builders = builder_names(",", ",");
   std::string alpha = "1e-5";
   MeasureOptions measuring;
 };
@@ -22,9 +22,9 @@ void run(const Options& options, const std::string& command_line) {
                           .command_line = command_line,
                           .format_table = workbench::format_comparison};
   const float alpha = parse_alpha("--alpha", options.alpha);
-  for (const kerf::Builder builder : parse_builders("--builders", options.builders)) {
+  for (const kerf::BuilderInfo& info : parse_builders("--builders", options.builders)) {
     measurement.contenders.push_back(
-        {.name = std::string(workbench::name(builder)), .options = {.builder = builder, .alpha = alpha}});
+        {.name = std::string(info.name), .options = {.builder = info.builder, .alpha = alpha}});
   }
   measure_and_write(measurement);
 }

@@ -2,13 +2,11 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <kerf/inspect.hpp>
 
 #include "arguments.hpp"
 #include "commands.hpp"
-#include "construction/construct.hpp"
 #include "output.hpp"
-#include "stages.hpp"
-#include "tree/measures/measures.hpp"
 #include "workbench/compare/measures.hpp"
 
 namespace kerf_tool {
@@ -38,27 +36,27 @@ std::string format_leaf_sizes(const std::vector<std::size_t>& leaf_sizes) {
   return text.empty() ? "none" : text;
 }
 
-std::string describe(const Scene& scene, kerf::Builder builder) {
+std::string describe(const Scene& scene, const kerf::BuilderInfo& builder) {
   const kerf::TriangleMesh mesh = scene.mesh();
-  const kerf::Geometry geometry(std::span<const kerf::TriangleMesh>(&mesh, 1));
-  kerf::BinaryTree tree = build_tree(geometry, {.builder = builder});
+  const kerf::Tree tree = kerf::build_tree(mesh, {.builder = builder.builder});
   const kerf::TreeCounts counts = count_tree(tree);
   const double sah = surface_area_cost(tree);
-  const double epo = end_point_overlap(tree, geometry);
+  const double epo = end_point_overlap(tree);
   const double lcv = leaf_count_variability(tree);
-  const std::size_t distinct = std::set<std::uint32_t>(tree.references.begin(), tree.references.end()).size();
-  const kerf::Bvh bvh = make_bvh(geometry, std::move(tree));
+  const auto references = tree.references();
+  const std::size_t distinct = std::set<std::uint32_t>(references.begin(), references.end()).size();
+  const kerf::Bvh bvh = kerf::make_bvh(tree);
   const kerf::Box3f bounds = bvh.bounds();
 
   std::string text = scene.name + "\n";
   text += line("vertices", format_count(scene.vertices.size()));
-  text += line("triangles", format_count(geometry.triangle_count()));
+  text += line("triangles", format_count(tree.triangles()));
   text += line("degenerate", format_count(bvh.statistics().degenerate_triangles));
   text += line("bounds", bounds.empty() ? "empty"
                                         : fmt::format("{} to {}", format_point(bounds.lower),
                                                       format_point(bounds.upper)));
   text += line("viewpoints", format_count(scene.viewpoints.size()));
-  text += fmt::format("\n{} tree\n", name(builder));
+  text += fmt::format("\n{} tree\n", builder.name);
   text += line("nodes", format_count(counts.nodes));
   text += line("leaves", format_count(counts.leaves));
   text += line("depth", format_count(counts.depth));
@@ -79,7 +77,7 @@ std::string describe(const Scene& scene, kerf::Builder builder) {
 }
 
 void run(const Options& options) {
-  const kerf::Builder builder = parse_builder("--builder", options.builder);
+  const kerf::BuilderInfo builder = parse_builder("--builder", options.builder);
   const Scene scene = std::move(load_scenes({options.scene}).front());
   write_output(standard_output, name_errors(scene, [&] { return describe(scene, builder); }));
 }
@@ -90,7 +88,7 @@ void add_info_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("info", "Say what a scene is and what its tree looks like");
   command->add_option("SCENE", options->scene, scene_help)->type_name("")->required();
-  command->add_option("--builder", options->builder, "bvh, sbvh, esc or evh")
+  command->add_option("--builder", options->builder, builder_names())
       ->type_name("NAME")
       ->capture_default_str();
   command->callback([options] { run(*options); });

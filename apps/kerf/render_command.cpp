@@ -52,7 +52,7 @@ Image render(const Scene& scene, const kerf::Bvh& bvh, Mode mode, const Viewpoin
 void run(const Options& options) {
   const Mode mode = parse_mode(options.mode);
   const kerf::Builder builder =
-      parse_builder("--builder", options.builder.empty() ? "sbvh" : options.builder);
+      parse_builder("--builder", options.builder.empty() ? "sbvh" : options.builder).builder;
   const unsigned view = parse_whole("--view", options.view, 0, 999);
   const PictureSize size = parse_size("--size", options.size);
   if (options.output != standard_output) require_writable(options.output);
@@ -84,7 +84,7 @@ void add_render_command(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--builder", options->builder,
-                   "bvh, sbvh, esc or evh; if none is given, a .kerf file's own hierarchy, else sbvh")
+                   builder_names() + "; if none is given, the hierarchy of a .kerf file, else sbvh")
       ->type_name("NAME");
   command->add_option("--view", options->view, "Number of the viewpoint, from 0")
       ->type_name("N")

@@ -2,6 +2,7 @@
 #include "workbench/compare/compare.hpp"
 
 #include <gtest/gtest.h>
+#include <kerf/inspect.hpp>
 
 #include "support/brute_force.hpp"
 #include "workbench/compare/trace.hpp"
@@ -15,9 +16,8 @@ const CompareOptions quick{.threads = 2, .rays = {.width = 16, .height = 16}, .s
 
 std::vector<Contender> all_builders() {
   std::vector<Contender> contenders;
-  for (const kerf::Builder builder :
-       {kerf::Builder::bvh, kerf::Builder::sbvh, kerf::Builder::esc, kerf::Builder::evh}) {
-    contenders.push_back({.name = std::string(name(builder)), .options = {.builder = builder}});
+  for (const kerf::BuilderInfo& info : kerf::builders()) {
+    contenders.push_back({.name = std::string(info.name), .options = {.builder = info.builder}});
   }
   return contenders;
 }

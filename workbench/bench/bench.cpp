@@ -4,11 +4,10 @@
 #include <chrono>
 #include <limits>
 
+#include <kerf/inspect.hpp>
 #include <kerf/kerf.hpp>
 #include <tbb/global_control.h>
 
-#include "construction/construct.hpp"
-#include "tree/measures/measures.hpp"
 #include "workbench/rays/slice_timer.hpp"
 
 namespace workbench {
@@ -158,9 +157,9 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
     if (figures.limits) figures.limits->counts[static_cast<std::size_t>(type)] = count_steps(bvh, set);
   }
 
-  const kerf::BinaryTree tree = kerf::build_tree(kerf::Geometry({&mesh, 1}), defaults);
+  const kerf::Tree tree = kerf::build_tree(mesh, defaults);
   figures.sah = kerf::surface_area_cost(tree);
-  figures.references = tree.references.size();
+  figures.references = tree.references().size();
   return figures;
 }
 

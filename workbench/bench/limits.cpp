@@ -7,11 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include <kerf/inspect.hpp>
 #include <kerf/kerf.hpp>
-
-#include "stages.hpp"
-#include "structure.hpp"
-#include "traversal/dispatch.hpp"
 
 namespace workbench {
 namespace {
@@ -51,15 +48,14 @@ Bvh layers() {
 
 StepTimes measure_steps() {
   const Bvh bvh = layers();
-  const WideBvh& wide = bvh.structure().wide;
-  const Kernels& kernels = *bvh.structure().kernels;
+  const WideNode& root = layout(bvh).nodes[0];
   // Through the boxes of the layers, but beside their triangles.
   const Ray ray{.origin = {0.9f, 0.9f, -1.0f}, .direction = {0.01f, 0.01f, 1.0f}};
-  const auto leaf = std::find_if(std::begin(wide.nodes[0].children), std::end(wide.nodes[0].children),
+  const auto leaf = std::find_if(std::begin(root.children), std::end(root.children),
                                  [](ChildLink child) { return child.is_leaf(); });
   StepTimes times;
-  times.node_ns = best_ns_per_step([&] { kernels.repeat_node_steps(wide, ray, steps_per_run); });
-  times.leaf_ns = best_ns_per_step([&] { kernels.repeat_leaf_tests(wide, ray, *leaf, steps_per_run); });
+  times.node_ns = best_ns_per_step([&] { repeat_node_steps(bvh, ray, steps_per_run); });
+  times.leaf_ns = best_ns_per_step([&] { repeat_leaf_tests(bvh, ray, *leaf, steps_per_run); });
   return times;
 }
 
@@ -67,9 +63,9 @@ StepCounts count_steps(const Bvh& bvh, const RaySet& set) {
   TraversalCounters counters;
   for (const Ray& ray : set.rays) {
     if (set.any_hit()) {
-      occluded_counted(bvh, ray, counters);
+      occluded(bvh, ray, counters);
     } else {
-      intersect_counted(bvh, ray, counters);
+      intersect(bvh, ray, counters);
     }
   }
   const double rays = static_cast<double>(std::max<std::size_t>(set.rays.size(), 1));

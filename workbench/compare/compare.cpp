@@ -8,10 +8,8 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <kerf/inspect.hpp>
 
-#include "construction/construct.hpp"
-#include "stages.hpp"
-#include "tree/measures/measures.hpp"
 #include "workbench/compare/equal_references.hpp"
 #include "workbench/compare/measures.hpp"
 #include "workbench/compare/trace.hpp"
@@ -40,7 +38,7 @@ bool pre_splits(kerf::Builder builder) {
 
 // Lets every builder that splits before it builds make as many references as the SBVH with the same alpha
 // has.
-std::vector<Contender> with_equal_references(const kerf::Geometry& geometry,
+std::vector<Contender> with_equal_references(const kerf::TriangleMesh& mesh,
                                              std::span<const Contender> contenders, unsigned threads) {
   std::vector<Contender> result(contenders.begin(), contenders.end());
   std::map<float, std::size_t> references_at_alpha;
@@ -51,10 +49,9 @@ std::vector<Contender> with_equal_references(const kerf::Geometry& geometry,
     if (is_new) {
       kerf::BuildOptions options = contender.options;
       options.builder = kerf::Builder::sbvh;
-      place->second = count_references(geometry, options);
+      place->second = count_references(mesh, options);
     }
-    contender.options.presplit_references =
-        presplit_references_for(place->second, geometry, contender.options);
+    contender.options.presplit_references = presplit_references_for(place->second, mesh, contender.options);
   }
   return result;
 }
@@ -68,11 +65,11 @@ std::size_t count_differences(std::span<const kerf::Hit> hits, std::span<const k
 class Measurement {
  public:
   Measurement(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options)
-      : scene_(scene), options_(options), mesh_(scene.mesh()), geometry_(std::span(&mesh_, 1)) {
+      : scene_(scene), options_(options), mesh_(scene.mesh()) {
     report(0.0, "equal references");
-    contenders_ = with_equal_references(geometry_, contenders, options.threads);
+    contenders_ = with_equal_references(mesh_, contenders, options.threads);
     result_.figures.name = scene.name;
-    result_.figures.triangles = geometry_.triangle_count();
+    result_.figures.triangles = mesh_.triangles.size();
     for (const Contender& contender : contenders_) {
       BuilderFigures& figures = result_.figures.builders.emplace_back();
       figures.name = contender.name;
@@ -86,7 +83,7 @@ class Measurement {
     for (unsigned round = 1; round < build_rounds && build_seconds_ < long_round; ++round) {
       report(first_build_end + (builds_end - first_build_end) * (round - 1) / (build_rounds - 1),
              "build again");
-      for (std::size_t i = 0; i < contenders_.size(); ++i) build(i, [](const kerf::BinaryTree&) {});
+      for (std::size_t i = 0; i < contenders_.size(); ++i) build(i, [](const kerf::Tree&) {});
     }
     for (const RayType type : ray_types) trace(type);
     report(1.0, "done");
@@ -102,11 +99,11 @@ class Measurement {
   template <class Inspect>
   kerf::Bvh build(std::size_t i, const Inspect& inspect) {
     auto start = Clock::now();
-    kerf::BinaryTree tree = build_tree(geometry_, contenders_[i].options);
+    const kerf::Tree tree = kerf::build_tree(mesh_, contenders_[i].options);
     double seconds = seconds_since(start);
     inspect(tree);
     start = Clock::now();
-    kerf::Bvh bvh = make_bvh(geometry_, std::move(tree));
+    kerf::Bvh bvh = kerf::make_bvh(tree);
     seconds += seconds_since(start);
     build_seconds_ += seconds;
     BuilderFigures& figures = result_.figures.builders[i];
@@ -118,11 +115,11 @@ class Measurement {
     BuilderFigures& figures = result_.figures.builders[i];
     const double step = first_build_end / static_cast<double>(contenders_.size());
     report(step * static_cast<double>(i), "build " + figures.name);
-    const kerf::Bvh bvh = build(i, [&](const kerf::BinaryTree& tree) {
+    const kerf::Bvh bvh = build(i, [&](const kerf::Tree& tree) {
       report(step * (static_cast<double>(i) + 0.5), "measure " + figures.name);
-      result_.figures.degenerate_triangles = tree.degenerate_triangles;
+      result_.figures.degenerate_triangles = tree.degenerate_triangles();
       figures.sah = surface_area_cost(tree);
-      figures.epo = end_point_overlap(tree, geometry_);
+      figures.epo = end_point_overlap(tree);
       figures.lcv = leaf_count_variability(tree);
     });
     figures.references = bvh.statistics().references;
@@ -163,7 +160,6 @@ class Measurement {
   const Scene& scene_;
   const CompareOptions& options_;
   const kerf::TriangleMesh mesh_;
-  const kerf::Geometry geometry_;
   std::vector<Contender> contenders_;
   Comparison result_;
   double build_seconds_ = 0.0;
@@ -175,20 +171,6 @@ std::size_t SceneFigures::disagreements() const {
   return std::accumulate(
       builders.begin(), builders.end(), std::size_t{0},
       [](std::size_t sum, const BuilderFigures& figures) { return sum + figures.disagreements; });
-}
-
-std::string_view name(kerf::Builder builder) {
-  switch (builder) {
-    case kerf::Builder::sbvh:
-      return "sbvh";
-    case kerf::Builder::bvh:
-      return "bvh";
-    case kerf::Builder::esc:
-      return "esc";
-    case kerf::Builder::evh:
-      return "evh";
-  }
-  return "";
 }
 
 Comparison compare(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options) {

@@ -75,8 +75,4 @@ struct Comparison {
 /// references as the SBVH with the same alpha has. That SBVH is built first, whether it is a contender or
 /// not.
 Comparison compare(const Scene& scene, std::span<const Contender> contenders, const CompareOptions& options);
-
-/// The names of builders on the command line and in JSON.
-std::string_view name(kerf::Builder builder);
-
 }  // namespace workbench

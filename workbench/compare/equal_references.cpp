@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "construction/construct.hpp"
-#include "stages.hpp"
-
 namespace workbench {
 namespace {
 
@@ -21,18 +18,18 @@ constexpr double max_growth = 2.0;
 
 }  // namespace
 
-std::size_t count_references(const kerf::Geometry& geometry, const kerf::BuildOptions& options) {
-  return make_bvh(geometry, build_tree(geometry, options)).statistics().references;
+std::size_t count_references(const kerf::TriangleMesh& mesh, const kerf::BuildOptions& options) {
+  return kerf::build(mesh, options).statistics().references;
 }
 
-std::size_t presplit_references_for(std::size_t references, const kerf::Geometry& geometry,
+std::size_t presplit_references_for(std::size_t references, const kerf::TriangleMesh& mesh,
                                     kerf::BuildOptions options) {
-  const auto target = static_cast<double>(references), whole = static_cast<double>(geometry.triangle_count());
+  const auto target = static_cast<double>(references), whole = static_cast<double>(mesh.triangles.size());
   double allowed = target, best = target, min_error = target;
   double last_allowed = whole, last_reached = whole;
   for (int build = 0; build < max_builds; ++build) {
     options.presplit_references = static_cast<std::size_t>(allowed);
-    const auto reached = static_cast<double>(count_references(geometry, options));
+    const auto reached = static_cast<double>(count_references(mesh, options));
     if (std::abs(reached - target) < min_error) {
       min_error = std::abs(reached - target);
       best = allowed;

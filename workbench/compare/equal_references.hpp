@@ -6,12 +6,10 @@
 
 #include <kerf/build.hpp>
 
-#include "tree/geometry.hpp"
-
 namespace workbench {
 
 /// The number of references of the hierarchy that `options` describe, in the layout that is traced.
-std::size_t count_references(const kerf::Geometry& geometry, const kerf::BuildOptions& options);
+std::size_t count_references(const kerf::TriangleMesh& mesh, const kerf::BuildOptions& options);
 
 /// The `presplit_references` with which the hierarchy that `options` describe, of `esc` or `evh`, has
 /// `references` references, or as near to that as was found.
@@ -20,7 +18,7 @@ std::size_t count_references(const kerf::Geometry& geometry, const kerf::BuildOp
 /// after the build than before it, and only a build can tell how many fewer. The secant method takes a few
 /// builds. Some hierarchies cannot have as many references: further splitting only makes parts that end in
 /// one leaf.
-std::size_t presplit_references_for(std::size_t references, const kerf::Geometry& geometry,
+std::size_t presplit_references_for(std::size_t references, const kerf::TriangleMesh& mesh,
                                     kerf::BuildOptions options);
 
 }  // namespace workbench

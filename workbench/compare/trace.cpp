@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <atomic>
 
-#include "stages.hpp"
+#include <kerf/inspect.hpp>
+
 #include "workbench/base/parallel.hpp"
 
 namespace workbench {
@@ -37,9 +38,9 @@ CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned thre
     kerf::TraversalCounters counters;
     for (std::size_t i = begin; i < end; ++i) {
       if (set.any_hit()) {
-        if (occluded_counted(bvh, set.rays[i], counters)) pass.hits[i].primitive = 0;
+        if (occluded(bvh, set.rays[i], counters)) pass.hits[i].primitive = 0;
       } else {
-        pass.hits[i] = intersect_counted(bvh, set.rays[i], counters).value_or(kerf::Hit{});
+        pass.hits[i] = intersect(bvh, set.rays[i], counters).value_or(kerf::Hit{});
       }
     }
     steps += counters.steps;

@@ -1,9 +1,7 @@
 #include "workbench/formats/load_hierarchy.hpp"
 
-#include <limits>
+#include <kerf/inspect.hpp>
 
-#include "queries/visit_box.hpp"
-#include "structure.hpp"
 #include "workbench/base/raise.hpp"
 #include "workbench/formats/join_vertices.hpp"
 
@@ -16,25 +14,18 @@ Scene load_hierarchy(const std::filesystem::path& file) {
   if (saved.statistics().references == 0) {
     raise(Error::bad_format, file, "has no triangles");
   }
-  // As one mesh, which is what a scene has.
-  auto joined = std::make_shared<Bvh::Structure>(saved.structure());
-  joined->first_triangles = {0, static_cast<std::uint32_t>(saved.statistics().triangles)};
-
   Scene scene;
   scene.triangles.resize(saved.statistics().triangles);
   scene.vertices.resize(3 * scene.triangles.size(), saved.bounds().lower);
   for (std::uint32_t i = 0; i < scene.triangles.size(); ++i)
     scene.triangles[i] = {3 * i, 3 * i + 1, 3 * i + 2};
-  const float infinity = std::numeric_limits<float>::infinity();
-  visit_box(*joined, {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}},
-            [&](std::uint32_t id, const Triangle& triangle) {
-              scene.vertices[3 * std::size_t{id}] = triangle.v0;
-              scene.vertices[3 * std::size_t{id} + 1] = triangle.v1;
-              scene.vertices[3 * std::size_t{id} + 2] = triangle.v2;
-              return true;
-            });
+  visit_triangles(layout(saved), [&](std::uint32_t id, const Triangle& triangle) {
+    scene.vertices[3 * std::size_t{id}] = triangle.v0;
+    scene.vertices[3 * std::size_t{id} + 1] = triangle.v1;
+    scene.vertices[3 * std::size_t{id} + 2] = triangle.v2;
+  });
   join_vertices(scene);
-  scene.hierarchy = Bvh(std::move(joined));
+  scene.hierarchy = join_meshes(saved);  // a scene has one mesh
   return scene;
 }
 

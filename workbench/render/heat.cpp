@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "stages.hpp"
+#include <kerf/inspect.hpp>
+
 #include "workbench/base/parallel.hpp"
 #include "workbench/rays/camera.hpp"
 
@@ -37,8 +38,8 @@ HeatMap trace_heat(const kerf::Bvh& bvh, const Viewpoint& viewpoint, std::size_t
   parallel_for(height, [&](std::size_t y) {
     for (std::size_t x = 0; x < width; ++x) {
       kerf::TraversalCounters counters;
-      intersect_counted(bvh, camera.ray_through(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f),
-                        counters);
+      intersect(bvh, camera.ray_through(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f),
+                counters);
       map.costs[y * width + x] = static_cast<float>(counters.steps + counters.triangle_tests);
     }
   });
