@@ -1,4 +1,4 @@
-// What the steps of a build take: binning, chopping, partition, and all of it.
+// The time of the steps of a build: binning, chopping, partition, and the whole tree.
 //
 //     build/release/bin/build_bench
 //     build/release/bin/build_bench --benchmark_filter=Binning
@@ -18,13 +18,13 @@ namespace {
 
 using kerf::Reference;
 
-// Large and small triangles, most of them far from any axis: there is something to split.
+// Large and small triangles, most of them along no axis, so that there is something to split.
 const workbench::Scene& scene() {
   static const workbench::Scene atrium = workbench::load_scene("atrium:rotate=30");
   return atrium;
 }
 
-// A node of `count` references: triangles of the scene at even distances.
+// A node of `count` references: every n-th triangle of the scene.
 struct Node {
   std::array<kerf::TriangleMesh, 1> meshes{scene().mesh()};
   kerf::Geometry geometry{meshes};
@@ -56,7 +56,7 @@ void ObjectBinning(benchmark::State& state) {
 }
 BENCHMARK(ObjectBinning)->RangeMultiplier(8)->Range(8, 1 << 15);
 
-// Both kinds of bins, and chopping at the planes that promise most.
+// Both kinds of bins, and chopping at the most promising planes.
 void ObjectAndSpatialBinning(benchmark::State& state) {
   run_binning(state, true);
 }
@@ -78,7 +78,7 @@ void Chopping(benchmark::State& state) {
 }
 BENCHMARK(Chopping);
 
-// Each round begins with the references as they were, so the copy is in the time.
+// Each iteration starts with a copy of the references, whose time is included.
 void Partition(benchmark::State& state) {
   const Node node(static_cast<std::uint32_t>(state.range(0)));
   const float middle = 0.5f * (node.input.doubled_centroids.lower.x + node.input.doubled_centroids.upper.x);

@@ -53,7 +53,7 @@ bool consider(RTCPointQueryFunctionArguments* arguments) {
 
 struct EmbreePoints::State {
   const workbench::Scene& scene;
-  std::vector<Vec3f> vertices;  // with one more behind: Embree reads four floats at a time
+  std::vector<Vec3f> vertices;  // with one more at the end: Embree reads four floats at a time
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene handle = rtcNewScene(device);
 

@@ -1,5 +1,5 @@
-// Embree's point query on a scene, as its manual shows how to find a closest point; or nothing, where Embree
-// is absent.
+// Closest points by Embree's point query, used as its manual shows. Where Embree is absent, `available` is
+// false.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@ class EmbreePoints {
   explicit EmbreePoints(const workbench::Scene& scene);
   ~EmbreePoints();
 
-  bool there() const { return state_ != nullptr; }
+  bool available() const { return state_ != nullptr; }
   float distance(const kerf::Vec3f& point) const;
 
  private:

@@ -1,4 +1,4 @@
-// What it takes to load or map a saved hierarchy, beside building it, with one thread and with all.
+// The time to load or map a saved hierarchy, beside the time to build it, with one thread and with all.
 //
 //     build/release/bin/file_bench SCENE [--benchmark_...]      (the atrium if no scene is named)
 
@@ -15,7 +15,7 @@
 
 namespace {
 
-// Does `work` again and again, with as many threads as the benchmark's argument says; 0: all there are.
+// Repeats `work` with as many threads as the argument of the benchmark says, 0 for all there are.
 template <class Work>
 void repeat(benchmark::State& state, Work&& work) {
   std::optional<tbb::global_control> held;

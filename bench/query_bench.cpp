@@ -1,5 +1,5 @@
-// What the spatial queries take, one after another on one thread; the closest point beside Embree's point
-// query where Embree is there.
+// The time of each spatial query on one thread, and of Embree's point query beside the closest point, if
+// Embree is available.
 //
 //     build/release/bin/query_bench SCENE [--benchmark_...]      (the atrium if no scene is named)
 
@@ -21,9 +21,9 @@ namespace {
 using kerf::Vec3f;
 
 struct Questions {
-  std::vector<Vec3f> anywhere,
-      near;      // in the box around the scene; and a hundredth of its diagonal from vertices
-  float radius;  // a two-hundredth
+  std::vector<Vec3f> anywhere;  // in the box around the scene
+  std::vector<Vec3f> near;      // up to a hundredth of its diagonal away from vertices, on each axis
+  float radius;                 // a two-hundredth of the diagonal
 };
 
 Questions make_questions(const workbench::Scene& scene, const kerf::Box3f& box) {
@@ -52,7 +52,7 @@ void run(const std::string& spec) {
   const kerf::Bvh bvh = kerf::build(scene.mesh());
   const Questions questions = make_questions(scene, bvh.bounds());
   const bench::EmbreePoints embree(scene);
-  // One question an iteration, at every point by turns.
+  // One question per iteration, at the points in rotation.
   const auto ask = [&](const std::string& name, auto question, auto set_up) {
     for (const auto& [where, points] :
          {std::pair("anywhere", &questions.anywhere), std::pair("near", &questions.near)}) {
@@ -70,7 +70,7 @@ void run(const std::string& spec) {
   const auto nothing = [] { return 0; };
   ask(
       "ClosestPoint", [&](const Vec3f& p) { return bvh.closest_point(p); }, nothing);
-  if (embree.there())
+  if (embree.available())
     ask(
         "EmbreeClosestPoint", [&](const Vec3f& p) { return embree.distance(p); },
         [] { return workbench::FlushDenormals(); });

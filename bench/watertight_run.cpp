@@ -3,7 +3,7 @@
 //
 //     build/release/bin/watertight_run [RAYS]
 //
-// Exit status 1 if any does, or if any number of crossings is odd that should be even.
+// The exit status is 1 if any ray slips through, or if the parity of any number of crossings is wrong.
 #include <cstdlib>
 
 #include <fmt/core.h>
@@ -25,16 +25,16 @@ int main(int argc, char** argv) {
     options.max_reference_ratio = 2.0f;
     const kerf::Bvh bvh = kerf::build(solid.mesh(), options);
 
-    constexpr std::uint32_t parts = 64;
-    std::vector<workbench::AimedRayCounts> counts(parts);
-    kerf::parallel_for(parts, [&](std::uint32_t part) {
-      counts[part] = workbench::trace_aimed_rays(solid, bvh, rays / solids.size() / parts + 1, part);
+    constexpr std::uint32_t seeds = 64;
+    std::vector<workbench::AimedRayCounts> counts(seeds);
+    kerf::parallel_for(seeds, [&](std::uint32_t seed) {
+      counts[seed] = workbench::trace_aimed_rays(solid, bvh, rays / solids.size() / seeds + 1, seed);
     });
     workbench::AimedRayCounts sum;
-    for (const auto& part : counts) {
-      sum.rays += part.rays;
-      sum.leaks += part.leaks;
-      sum.parity_errors += part.parity_errors;
+    for (const auto& count : counts) {
+      sum.rays += count.rays;
+      sum.leaks += count.leaks;
+      sum.parity_errors += count.parity_errors;
     }
     fmt::print("{:34} {:9} {:10} {:11} {:6} {:13}\n", surface.name, solid.triangles.size(),
                bvh.statistics().references, sum.rays, sum.leaks, sum.parity_errors);

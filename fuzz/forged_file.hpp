@@ -1,5 +1,4 @@
-// Damaged .kerf files with their checksums set right again, and the questions that a file must survive if it
-// loads.
+// Damaged .kerf files with correct checksums, and the queries that a file must survive if it loads.
 #pragma once
 
 #include <cstdlib>
@@ -18,14 +17,14 @@
 
 namespace forged {
 
-/// Makes all checksums of `image` right, as far as its sizes allow.
+/// Corrects all checksums of `image`, as far as its sizes allow.
 inline void sign(std::span<std::byte> image) {
   using namespace kerf;
   FileHeader header;
   if (image.size() < sizeof header) return;
   std::memcpy(&header, image.data(), sizeof header);
-  const std::uint64_t most = image.size() / sizeof(std::uint32_t);
-  if (header.leaf_words <= most && header.nodes <= most && header.meshes <= most) {
+  const std::uint64_t max = image.size() / sizeof(std::uint32_t);
+  if (header.leaf_words <= max && header.nodes <= max && header.meshes <= max) {
     const FileLayout layout(header);
     const auto section = [&](std::uint64_t at, std::uint64_t bytes) {
       return at + bytes <= image.size() ? checksum(image.subspan(at, bytes)) : 0;
@@ -39,15 +38,15 @@ inline void sign(std::span<std::byte> image) {
   std::memcpy(image.data(), &header, sizeof header);
 }
 
-/// Loads `bytes` as a file's from memory that ends where they end, so that a sanitizer sees every step
-/// outside.
+/// Loads `bytes`, the contents of a file, from memory that ends where they end, so that a sanitizer notices
+/// every access beyond them.
 inline kerf::Bvh load(std::span<const std::byte> bytes) {
   const kerf::AlignedArray<std::byte> image(bytes.size());
   if (!bytes.empty()) std::memcpy(image.data(), bytes.data(), bytes.size());
   return kerf::Bvh(kerf::read_image({image.data(), image.size()}, image.owner()));
 }
 
-/// Ends the program unless `answer` names a triangle that there is.
+/// Aborts unless `answer` names a triangle that exists.
 template <class Answer>
 void check_name(const kerf::Bvh& bvh, const Answer& answer) {
   const auto& first = bvh.structure().first_triangles;
@@ -55,8 +54,8 @@ void check_name(const kerf::Bvh& bvh, const Answer& answer) {
     std::abort();
 }
 
-/// Asks every kind of question. The answers may be any: they must come, and name triangles that there are.
-inline void question(const kerf::Bvh& bvh) {
+/// Makes every kind of query. Each must return, and name triangles that exist.
+inline void query(const kerf::Bvh& bvh) {
   const kerf::Box3f bounds = bvh.bounds();
   std::vector<kerf::Ray> rays;
   const kerf::Vec3f points[] = {{0.1f, 0.2f, 0.3f}, bounds.lower, {0, 0, 0}, {5, -7, 3}};

@@ -1,5 +1,5 @@
-// The loader of .kerf files. Checksums are set right first, as a forger would: the bytes behind them are what
-// a fuzzer has to reach. What loads must answer every kind of question.
+// The loader of .kerf files. Checksums are corrected first, as a forger would do, so that the fuzzer reaches
+// the code behind them. A file that loads must answer every kind of query.
 #include <cstring>
 
 #include "fuzz/forged_file.hpp"
@@ -8,11 +8,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::string file(reinterpret_cast<const char*>(data), size);
   try {
     (void)forged::load(std::as_bytes(std::span(file)));
-  } catch (const kerf::Error&) {  // as almost every file that is not signed
+  } catch (const kerf::Error&) {  // of almost every file that is not signed
   }
   forged::sign(std::as_writable_bytes(std::span(file)));
   try {
-    forged::question(forged::load(std::as_bytes(std::span(file))));
+    forged::query(forged::load(std::as_bytes(std::span(file))));
   } catch (const kerf::Error&) {
   }
   return 0;

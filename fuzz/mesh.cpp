@@ -1,4 +1,4 @@
-// The front door for meshes: any vertices, any indices, any options.
+// Builds over any vertices and indices, with any options.
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -10,7 +10,7 @@
 
 namespace {
 
-// Any bits at all, or a place on a small grid, where everything is aligned with everything.
+// Any bits, or a point of a small grid, on which everything is aligned.
 float coordinate(FuzzedDataProvider& input, bool grid) {
   if (grid) return static_cast<float>(input.ConsumeIntegralInRange<int>(-4, 4));
   const auto bits = input.ConsumeIntegral<std::uint32_t>();
@@ -35,20 +35,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (auto& vertex : vertices) {
     for (float& value : vertex) value = coordinate(input, grid);
   }
-  const auto past_the_end =
-      static_cast<std::uint32_t>(vertices.size() + (input.ConsumeProbability<float>() > 0.99f));
+  const auto end = static_cast<std::uint32_t>(vertices.size() + (input.ConsumeProbability<float>() > 0.99f));
   std::vector<std::uint32_t> indices;
-  const std::size_t triangles = past_the_end == 0 ? 0 : input.ConsumeIntegralInRange<std::size_t>(0, 200);
+  const std::size_t triangles = end == 0 ? 0 : input.ConsumeIntegralInRange<std::size_t>(0, 200);
   while (indices.size() < 3 * triangles) {
-    indices.push_back(input.ConsumeIntegralInRange<std::uint32_t>(0, past_the_end - 1));
+    indices.push_back(input.ConsumeIntegralInRange<std::uint32_t>(0, end - 1));
   }
   const kerf::TriangleMesh meshes[] = {{.vertices = vertices, .triangles = indices}, {}};
   try {
     const kerf::Bvh bvh = kerf::build(meshes, options);
-    forged::question(bvh);
+    forged::query(bvh);
     const kerf::BvhStatistics& statistics = bvh.statistics();
     if (bvh.triangles_in(bvh.bounds()).size() != statistics.triangles - statistics.degenerate_triangles) {
-      std::abort();  // every triangle with an area is found, once
+      std::abort();  // every triangle with an area must be found, once
     }
   } catch (const kerf::Error&) {
   }

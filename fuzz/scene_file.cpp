@@ -1,4 +1,4 @@
-// Scene files: the first byte says which format the rest claims to be.
+// Scene files. The first byte of the input selects the format that the rest claims to have.
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>

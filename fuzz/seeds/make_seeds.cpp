@@ -1,4 +1,4 @@
-// Writes the inputs that the fuzzers begin from: one folder a fuzzer.
+// Writes the inputs from which the fuzzers start: one folder per fuzzer.
 //
 //     fuzz_seeds DIRECTORY
 #include <array>
@@ -62,7 +62,7 @@ std::string as_stl(const Solid& solid) {
   return bytes;
 }
 
-// One triangle; its buffer is in the file itself.
+// One triangle, whose buffer is in the file itself.
 const char* const gltf =
     R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"translation":[1,2,3]}],)"
     R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,)"
@@ -86,7 +86,8 @@ int main(int argc, char** argv) {
   kerf::build(box.mesh()).save(root / "kerf_file" / "box");
   kerf::build(sphere.mesh()).save(root / "kerf_file" / "sphere");
 
-  // Numbers are taken from the end of the input and floats from its bits: anything is a mesh.
+  // The fuzzer takes numbers from the end of the input and floats from its bits, so that any bytes make a
+  // mesh.
   write(root / "mesh" / "zeros", std::string(200, '\0'));
   write(root / "mesh" / "ply", as_ply(sphere));
   write(root / "mesh" / "stl", as_stl(box));

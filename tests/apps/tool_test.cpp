@@ -1,4 +1,4 @@
-// The command line as DESIGN's contract has it: exit statuses, JSON, tables, pictures.
+// The command-line tool, run as a user runs it: exit statuses, JSON, tables, pictures.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -44,8 +44,8 @@ void expect_keys(const Json& object, const std::vector<std::string>& keys) {
   for (const std::string& key : keys) EXPECT_TRUE(object.contains(key)) << key;
 }
 
-// Every field of the contract, with the type that it has there.
-void expect_builder_of_contract(const Json& builder) {
+// Every field that `kerf compare --json` promises, with its type.
+void expect_builder_fields(const Json& builder) {
   expect_keys(builder, {"name", "alpha", "build_ms", "sah", "epo", "references", "nodes", "bytes", "rays"});
   EXPECT_TRUE(builder["name"].is_string());
   for (const char* key : {"alpha", "build_ms", "sah", "epo"})
@@ -146,7 +146,7 @@ TEST(Tool, AFullDiskIsAnError) {
   expect_one_line_about(outcome.errors, "/dev/full");
 }
 
-TEST(Tool, CompareJsonFollowsTheContractAndStandsAlone) {
+TEST(Tool, CompareJsonHasItsFieldsAndStandsAlone) {
   const Outcome outcome = run_tool("compare terrain:detail=0.01 " + small + quick + " --json -");
   ASSERT_EQ(outcome.status, 0) << outcome.errors;
   EXPECT_EQ(outcome.errors, "") << "a pipe shows no progress";
@@ -163,7 +163,7 @@ TEST(Tool, CompareJsonFollowsTheContractAndStandsAlone) {
       const Json& builder = scene["builders"][i];
       EXPECT_EQ(builder["name"], names[i]);
       EXPECT_EQ(builder["alpha"], 1e-5);
-      expect_builder_of_contract(builder);
+      expect_builder_fields(builder);
       EXPECT_EQ(builder["disagreements"], 0u);
       for (const char* type : {"primary", "ao", "diffuse"}) {  // the same rays hit the same in every tree
         EXPECT_EQ(builder["rays"][type]["count"], scene["builders"][0]["rays"][type]["count"]);
@@ -210,7 +210,7 @@ TEST(Tool, SweepHasAnEntryForEachAlphaWhoseCostFalls) {
   const double alphas[] = {1.0, 1e-2, 1e-5, 0.0};
   ASSERT_EQ(builders.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) {
-    expect_builder_of_contract(builders[i]);
+    expect_builder_fields(builders[i]);
     EXPECT_EQ(builders[i]["name"], "sbvh");
     EXPECT_EQ(builders[i]["alpha"], alphas[i]);
     EXPECT_LE(builders[i]["sah"], builders[0]["sah"]);

@@ -43,7 +43,7 @@ struct Parts {
     put(layout.leaves_at, std::as_bytes(std::span(leaves)));
     forged::sign(image);
     try {
-      forged::question(forged::load(image));
+      forged::query(forged::load(image));
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), Error::bad_format);
       return error.what();

@@ -231,7 +231,7 @@ TEST(KerfFile, EveryTruncationAndEveryChangedByteIsRefused) {
 void present_forged(std::string file, std::size_t& refused) {
   forged::sign(std::as_writable_bytes(std::span(file)));
   try {
-    forged::question(forged::load(bytes_of(file)));
+    forged::query(forged::load(bytes_of(file)));
   } catch (const Error& error) {
     ASSERT_EQ(error.code(), Error::bad_format);
     ++refused;

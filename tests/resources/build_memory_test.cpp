@@ -1,4 +1,4 @@
-// What a build holds at the most, counted from outside, beside what it says and what it promised.
+// The peak memory of a build as counted from outside, beside what the build reports and what it promised.
 #include <limits>
 #include <vector>
 
@@ -13,7 +13,7 @@
 namespace kerf {
 namespace {
 
-// Lists of meshes and of tasks, and what allocators add to an array: beside the arrays, no more than this.
+// The bound of what is allocated beside the arrays: lists of meshes and of tasks, and what allocators add.
 constexpr std::size_t small_things = std::size_t{1} << 16;
 
 struct Peak {
@@ -21,7 +21,7 @@ struct Peak {
 };
 
 Peak peak_of(const TriangleMesh& mesh, const BuildOptions& options) {
-  (void)build(mesh, options);  // what is made once and kept, such as the threads, is made now
+  (void)build(mesh, options);  // makes what is made once and kept, such as the threads
   const std::int64_t before = counted_memory::live_bytes();
   counted_memory::restart_peak();
   const Bvh bvh = build(mesh, options);
@@ -55,12 +55,12 @@ TEST(BuildMemory, PeakOfAFineSurfaceIsAsReported) {
   expect_honest_at_all_ratios(workbench::make_sphere(6).mesh());
 }
 
-// Every leaf holds one reference, most triangles are divided, and little fits into the places in the arena.
+// Every leaf holds one reference, most triangles are divided, and the arena has little room.
 TEST(BuildMemory, PeakOfSticksIsAsReported) {
   expect_honest_at_all_ratios(kerf_tests::random_triangles(20000, 0.5f, 0.001f).mesh());
 }
 
-// Nothing tells the triangles apart: every cost is the same.
+// The triangles cannot be distinguished, so that every cost is the same.
 TEST(BuildMemory, PeakOfIdenticalTrianglesIsAsReported) {
   kerf_tests::Mesh mesh = kerf_tests::random_triangles(1, 0.5f, 0.5f);
   mesh.triangles.resize(30000, mesh.triangles.front());

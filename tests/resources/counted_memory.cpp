@@ -12,15 +12,16 @@ std::atomic<std::int64_t> live{0}, peak{0};
 constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 std::atomic<std::int64_t> until_failure{never};
 
-void fail_if_it_is_time() {
+void fail_if_due() {
   if (until_failure.load(std::memory_order_relaxed) != never && until_failure.fetch_sub(1) == 1)
     throw std::bad_alloc();
 }
 
-// Stands before each piece: what was asked for, which is what counts (behind an alignment to huge pages there
-// is room that nobody touches), and how far before it the piece begins.
+// Lies before each allocation. The bytes asked for are what is counted: the room that an alignment to huge
+// pages leaves is never touched.
 struct Header {
-  std::size_t bytes, before;
+  std::size_t bytes;   // asked for
+  std::size_t before;  // bytes from the start of the memory to the allocation
 };
 
 void* allocate(std::size_t bytes, std::size_t alignment) {
@@ -31,8 +32,8 @@ void* allocate(std::size_t bytes, std::size_t alignment) {
   new (piece - sizeof(Header)) Header{bytes, before};
   const auto size = static_cast<std::int64_t>(bytes);
   const std::int64_t now = live.fetch_add(size) + size;
-  std::int64_t most = peak.load();
-  while (most < now && !peak.compare_exchange_weak(most, now)) {
+  std::int64_t max = peak.load();
+  while (max < now && !peak.compare_exchange_weak(max, now)) {
   }
   return piece;
 }
@@ -48,23 +49,23 @@ void release(void* memory) {
 }  // namespace
 
 void* operator new(std::size_t bytes) {
-  fail_if_it_is_time();
+  fail_if_due();
   return allocate(bytes, alignof(std::max_align_t));
 }
 void* operator new[](std::size_t bytes) {
-  fail_if_it_is_time();
+  fail_if_due();
   return allocate(bytes, alignof(std::max_align_t));
 }
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
-  fail_if_it_is_time();
+  fail_if_due();
   return allocate(bytes, static_cast<std::size_t>(alignment));
 }
 void* operator new[](std::size_t bytes, std::align_val_t alignment) {
-  fail_if_it_is_time();
+  fail_if_due();
   return allocate(bytes, static_cast<std::size_t>(alignment));
 }
 
-// Who asks this way, as std::stable_sort does for its buffer, goes on without the memory: nothing to report.
+// Callers of these, such as std::stable_sort for its buffer, continue without the memory and report nothing.
 void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
   return allocate(bytes, alignof(std::max_align_t));
 }

@@ -1,4 +1,4 @@
-// Memory from the operators new, counted, and made to fail when a test says so.
+// Counts the memory of the operators new, and makes allocations fail when a test asks for it.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,14 @@
 
 namespace counted_memory {
 
-/// Bytes taken by the operators new and not given back. All threads together.
+/// Bytes that the operators new of all threads returned and that are not freed yet.
 std::int64_t live_bytes();
 
-/// The most that `live_bytes` has been since the last call of `restart_peak`.
+/// The maximum of `live_bytes` since the last call of `restart_peak`.
 std::int64_t peak_bytes();
 void restart_peak();
 
-/// Lets the `n`-th allocation from now on (1 is the next), and it alone, throw `std::bad_alloc`, as long as
+/// Makes the `n`-th allocation from now on (1 is the next), and no other, throw `std::bad_alloc`, as long as
 /// this lives.
 class FailingAllocation {
  public:
@@ -22,7 +22,7 @@ class FailingAllocation {
   FailingAllocation(const FailingAllocation&) = delete;
   FailingAllocation& operator=(const FailingAllocation&) = delete;
 
-  /// Whether the allocation came, and failed.
+  /// Whether that allocation was made, and failed.
   bool happened() const;
 };
 

@@ -1,5 +1,4 @@
-// What happens to memory: it runs out at every point there is, and a build is cancelled at every point there
-// is.
+// Memory runs out at every allocation, and a build is cancelled at every call of its progress function.
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -16,11 +15,11 @@ namespace {
 using counted_memory::FailingAllocation;
 using counted_memory::live_bytes;
 
-// Lets the first allocation of `work` fail, then the second, until `work` gets through; each time it must
-// throw `Error::out_of_memory` and leave no memory behind. Returns how many there were.
+// Lets the first allocation of `work` fail, then the second, and so on until `work` succeeds. Each time it
+// must throw `Error::out_of_memory` and leave no memory behind. Returns the number of allocations.
 template <class Work>
 std::int64_t fail_each_allocation(const Work& work) {
-  work();  // what is made once and kept, such as the threads, is made now
+  work();  // makes what is made once and kept, such as the threads
   for (std::int64_t n = 1;; ++n) {
     const std::int64_t before = live_bytes();
     bool failed = false;
@@ -39,7 +38,7 @@ std::int64_t fail_each_allocation(const Work& work) {
   }
 }
 
-// A box with a fine sphere in it: object splits, spatial splits and leaves of all sizes.
+// A box with a fine sphere in it makes object splits, spatial splits and leaves of all sizes.
 struct Scene {
   workbench::Solid sphere = workbench::make_sphere(3), box = workbench::make_box({-2, -2, -2}, {2, 2, 2}, 1);
   std::vector<TriangleMesh> meshes{sphere.mesh(), box.mesh()};
@@ -131,7 +130,7 @@ TEST(Resources, TooManyTrianglesAreRefusedBeforeMemoryIsTaken) {
   }
 }
 
-// Between them, meshes have more.
+// Each mesh has fewer triangles than the limit, but both together have more.
 TEST(Resources, TooManyTrianglesInSeveralMeshesAreRefused) {
   const std::vector<Vec3f> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const std::uint32_t triangle[] = {0, 1, 2};

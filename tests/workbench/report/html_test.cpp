@@ -1,13 +1,13 @@
+#include "workbench/report/html.hpp"
+
 #include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "workbench/report/html.hpp"
-
 using namespace workbench;
 
-TEST(ReportHtml, Base64IsThatOfTheRfc) {
+TEST(Html, Base64IsThatOfTheRfc) {
   const auto encode = [](std::string_view text) {
     return base64(std::vector<std::uint8_t>(text.begin(), text.end()));
   };
@@ -22,7 +22,7 @@ TEST(ReportHtml, Base64IsThatOfTheRfc) {
   EXPECT_EQ(encode("\xff\xfe\xfd"), "//79");
 }
 
-TEST(ReportHtml, NothingGetsOutOfItsPlace) {
+TEST(Html, NothingGetsOutOfItsPlace) {
   EXPECT_EQ(escape_html("<a title=\"x\">&"), "&lt;a title=&quot;x&quot;&gt;&amp;");
   EXPECT_EQ(escape_script("{\"name\":\"</script>\"}"), "{\"name\":\"\\u003c/script>\"}");
 }

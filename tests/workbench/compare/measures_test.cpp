@@ -1,27 +1,8 @@
-#include "workbench/terminal/table.hpp"
+#include "workbench/compare/measures.hpp"
 
 #include <gtest/gtest.h>
 
-#include "workbench/compare/measures.hpp"
-#include "workbench/compare/table.hpp"
-#include "workbench/terminal/progress.hpp"
-
 using namespace workbench;
-
-TEST(Table, AlignsCharactersNotBytes) {
-  const std::vector<Column> columns{
-      {.head = "name", .cells = {{"α"}, {"beta"}}, .left_aligned = true, .gap = ""},
-      {.head = "n", .cells = {{"1.00×", true}, {"10.00×"}}}};
-  EXPECT_EQ(format(columns, Emphasis::mark),
-            "name       n\n"
-            "α      1.00×*\n"
-            "beta  10.00×\n");
-}
-
-TEST(Table, IsBoldOnATerminalWithoutMovingColumns) {
-  const std::vector<Column> columns{{.head = "n", .cells = {{"1", true}, {"22"}}, .gap = ""}};
-  EXPECT_EQ(format(columns, Emphasis::bold), " n\n \033[1m1\033[0m\n22\n");
-}
 
 TEST(Measures, TheBestIsMarkedAndNoneWhereAllAreEqual) {
   EXPECT_EQ(best_of(std::vector<double>{2, 1, 1}, false), (std::vector<bool>{false, true, true}));
@@ -53,17 +34,4 @@ TEST(Measures, SpeedsOfRayTypesCombineByTime) {
   builder.rays[1].mrays_per_s = 3.0;  // 1 ms
   EXPECT_NEAR(rays_per_second(builder, {RayType::primary, RayType::ao}), 2e6, 1e-3);
   EXPECT_EQ(rays_per_second({}, {RayType::primary}), 0.0);
-}
-
-TEST(ComparisonTable, SaysHowManyHitsDiffer) {
-  SceneFigures scene{.name = "s", .triangles = 1, .degenerate_triangles = 0, .builders = {}};
-  scene.builders.resize(2);
-  scene.builders[1].disagreements = 7;
-  EXPECT_NE(format_comparison(scene, Emphasis::mark).find("7 HITS DIFFER"), std::string::npos);
-}
-
-TEST(ProgressBar, FitsTheTerminal) {
-  EXPECT_EQ(draw_bar(0.5, "a long word", 45).size(), draw_bar(0.5, "a lon", 80).size());
-  EXPECT_NE(draw_bar(2.0, "", 80).find("100 %"), std::string::npos);
-  EXPECT_NE(draw_bar(-1.0, "", 80).find("  0 %"), std::string::npos);
 }

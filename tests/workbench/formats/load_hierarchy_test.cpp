@@ -1,4 +1,4 @@
-// A .kerf file where a scene may stand.
+// A .kerf file in place of a scene.
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
 
@@ -9,7 +9,7 @@
 namespace workbench {
 namespace {
 
-TEST(LoadScene, AKerfFileHasTheTrianglesThatWereSavedInTheirPlaces) {
+TEST(LoadHierarchy, AKerfFileHasTheTrianglesThatWereSavedInTheirPlaces) {
   Solid sphere = make_sphere(2);
   const Solid box = make_box({-1, -1, -1}, {1, 1, 1}, 2);
   sphere.triangles[7] = {1, 1, 2};  // degenerate
@@ -40,7 +40,7 @@ TEST(LoadScene, AKerfFileHasTheTrianglesThatWereSavedInTheirPlaces) {
   EXPECT_FALSE(load_scene((directory / "two.kerf").string() + ":rotate=30").hierarchy.has_value());
 }
 
-TEST(LoadScene, AKerfFileThatIsNoneSaysSo) {
+TEST(LoadHierarchy, AnInvalidKerfFileIsNamedInTheError) {
   const TemporaryDirectory directory;
   write_bytes(directory / "bad.kerf", "v 0 0 0\n");
   kerf::Bvh().save(directory / "empty.kerf");
