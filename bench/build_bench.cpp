@@ -97,7 +97,7 @@ void WholeTree(benchmark::State& state) {
   const std::array<kerf::TriangleMesh, 1> meshes{scene().mesh()};
   const kerf::Geometry geometry(meshes);
   const kerf::BuildOptions options{.threads = static_cast<unsigned>(state.range(0))};
-  for (auto _ : state) benchmark::DoNotOptimize(kerf::build_tree(geometry, options));
+  for (auto _ : state) benchmark::DoNotOptimize(kerf::construct(geometry, options));
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(geometry.triangle_count()));
 }
 BENCHMARK(WholeTree)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();

@@ -12,7 +12,8 @@
 
 #include "base/aligned_array.hpp"
 #include "files/checksum.hpp"
-#include "files/file_image.hpp"
+#include "files/file_header.hpp"
+#include "files/read_image.hpp"
 #include "structure.hpp"
 
 namespace forged {
@@ -43,13 +44,13 @@ inline void sign(std::span<std::byte> image) {
 inline kerf::Bvh load(std::span<const std::byte> bytes) {
   const kerf::AlignedArray<std::byte> image(bytes.size());
   if (!bytes.empty()) std::memcpy(image.data(), bytes.data(), bytes.size());
-  return kerf::Bvh(kerf::read_image({image.data(), image.size()}, image.owner()));
+  return kerf::Structure::share(kerf::read_image({image.data(), image.size()}, image.owner()));
 }
 
 /// Aborts unless `answer` names a triangle that exists.
 template <class Answer>
 void check_name(const kerf::Bvh& bvh, const Answer& answer) {
-  const auto& first = bvh.structure().first_triangles;
+  const auto& first = kerf::Structure::of(bvh).first_triangles;
   if (answer.mesh + 1 >= first.size() || answer.primitive >= first[answer.mesh + 1] - first[answer.mesh])
     std::abort();
 }

@@ -4,27 +4,29 @@
 
 #include "base/fp_environment.hpp"
 #include "base/out_of_memory.hpp"
+#include "build.hpp"
 #include "construction/construct.hpp"
-#include "stages.hpp"
 #include "structure.hpp"
 #include "traversal/dispatch.hpp"
-#include "tree/measures/measures.hpp"
+#include "tree/measures/counts.hpp"
+#include "tree/measures/epo.hpp"
+#include "tree/measures/lcv.hpp"
+#include "tree/measures/sah.hpp"
 
 namespace kerf {
 
-struct Tree::Content {
+struct TreeContent {
   std::vector<TriangleMesh> meshes;
   Geometry geometry{meshes};
   BinaryTree tree;
 
-  Content(std::span<const TriangleMesh> given, const BuildOptions& options)
-      : meshes(given.begin(), given.end()), tree(build_tree(geometry, options)) {}
+  TreeContent(std::span<const TriangleMesh> given, const BuildOptions& options)
+      : meshes(given.begin(), given.end()), tree(construct(geometry, options)) {}
 
-  static Tree share(std::shared_ptr<const Content> content) { return Tree(std::move(content)); }
+  static Tree share(std::shared_ptr<const TreeContent> content) { return Tree(std::move(content)); }
 
-  // Of a tree of nothing as well.
-  static const Content& of(const Tree& tree) {
-    static const Content nothing{{}, {}};
+  static const TreeContent& of(const Tree& tree) {
+    static const TreeContent nothing{{}, {}};
     return tree.content_ ? *tree.content_ : nothing;
   }
 };
@@ -36,7 +38,7 @@ template <class Measure>
 auto measured(const Tree& tree, const Measure& measure) {
   const PlainFloatingPoint plain;
   return report_out_of_memory([&] {
-    const auto& content = Tree::Content::of(tree);
+    const TreeContent& content = TreeContent::of(tree);
     return measure(content.tree, content.geometry);
   });
 }
@@ -44,28 +46,28 @@ auto measured(const Tree& tree, const Measure& measure) {
 }  // namespace
 
 std::span<const BinaryNode> Tree::nodes() const {
-  return Content::of(*this).tree.nodes;
+  return TreeContent::of(*this).tree.nodes;
 }
 std::span<const std::uint32_t> Tree::references() const {
-  return Content::of(*this).tree.references;
+  return TreeContent::of(*this).tree.references;
 }
 std::size_t Tree::triangles() const {
-  return Content::of(*this).geometry.triangle_count();
+  return TreeContent::of(*this).geometry.triangle_count();
 }
 std::size_t Tree::degenerate_triangles() const {
-  return Content::of(*this).tree.degenerate_triangles;
+  return TreeContent::of(*this).tree.degenerate_triangles;
 }
 PrimitiveId Tree::locate(std::uint32_t id) const {
-  return Content::of(*this).geometry.locate(id);
+  return TreeContent::of(*this).geometry.locate(id);
 }
 Triangle Tree::triangle(std::uint32_t id) const {
-  return Content::of(*this).geometry.triangle(id);
+  return TreeContent::of(*this).geometry.triangle(id);
 }
 
 Tree build_tree(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
   const PlainFloatingPoint plain;
   return report_out_of_memory(
-      [&] { return Tree::Content::share(std::make_shared<const Tree::Content>(meshes, options)); });
+      [&] { return TreeContent::share(std::make_shared<const TreeContent>(meshes, options)); });
 }
 
 Tree build_tree(const TriangleMesh& mesh, const BuildOptions& options) {
@@ -74,7 +76,7 @@ Tree build_tree(const TriangleMesh& mesh, const BuildOptions& options) {
 
 Bvh make_bvh(const Tree& tree, unsigned threads) {
   return measured(tree, [&](const BinaryTree& binary, const Geometry& geometry) {
-    return make_bvh(geometry, binary, threads);
+    return Structure::share(lay_out_tree(geometry, binary, threads));
   });
 }
 
@@ -95,7 +97,7 @@ double leaf_count_variability(const Tree& tree) {
 }
 
 Layout layout(const Bvh& bvh) {
-  const Bvh::Structure& structure = bvh.structure();
+  const Structure& structure = Structure::of(bvh);
   return {.nodes = structure.wide.nodes,
           .leaves = structure.wide.leaves,
           .bounds = structure.wide.bounds,
@@ -104,38 +106,30 @@ Layout layout(const Bvh& bvh) {
           .first_triangles = structure.first_triangles};
 }
 
-std::optional<Hit> intersect(const Bvh& bvh, const Ray& ray, TraversalCounters& counters) {
-  return intersect_counted(bvh, ray, counters);
-}
-
-bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounters& counters) {
-  return occluded_counted(bvh, ray, counters);
-}
-
 std::string_view instruction_set() {
   return choose_kernels().target;
 }
 
 std::string_view instruction_set(const Bvh& bvh) {
-  const Kernels* const kernels = bvh.structure().kernels;
+  const Kernels* const kernels = Structure::of(bvh).kernels;
   return kernels == nullptr ? std::string_view() : kernels->target;
 }
 
 std::uint64_t repeat_node_steps(const Bvh& bvh, const Ray& ray, std::size_t count) {
-  const Bvh::Structure& structure = bvh.structure();
+  const Structure& structure = Structure::of(bvh);
   return structure.kernels->repeat_node_steps(structure.wide, ray, count);
 }
 
 std::uint64_t repeat_leaf_tests(const Bvh& bvh, const Ray& ray, ChildLink leaf, std::size_t count) {
-  const Bvh::Structure& structure = bvh.structure();
+  const Structure& structure = Structure::of(bvh);
   return structure.kernels->repeat_leaf_tests(structure.wide, ray, leaf, count);
 }
 
 Bvh join_meshes(const Bvh& bvh) {
   return report_out_of_memory([&] {
-    auto joined = std::make_shared<Bvh::Structure>(bvh.structure());
+    auto joined = std::make_shared<Structure>(Structure::of(bvh));
     joined->first_triangles = {0, static_cast<std::uint32_t>(joined->statistics.triangles)};
-    return Bvh(std::move(joined));
+    return Structure::share(std::move(joined));
   });
 }
 

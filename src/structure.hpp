@@ -1,7 +1,10 @@
 // What a `Bvh` holds.
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include <kerf/bvh.hpp>
@@ -12,20 +15,25 @@ namespace kerf {
 
 struct Kernels;
 
-struct Bvh::Structure {
+/// Nothing in it changes once it is shared.
+struct Structure {
   WideBvh wide;
-  std::vector<std::uint32_t> first_triangles;  // of each mesh, see Geometry
+  std::vector<std::uint32_t> first_triangles;  ///< of each mesh, see `Layout`
   BvhStatistics statistics;
-  const Kernels* kernels =
-      nullptr;  // those of this machine's instruction set; null for a hierarchy of nothing
+  const Kernels* kernels = nullptr;  ///< what traces `wide`; null for a hierarchy of nothing
+
+  static const Structure& of(const Bvh& bvh) { return *bvh.structure_; }
+  static Bvh share(std::shared_ptr<const Structure> structure) { return Bvh(std::move(structure)); }
 };
 
+/// The one way to a structure, for builds and for files. Chooses the kernels and fills in the statistics, but
+/// for what only a build knows.
+std::shared_ptr<Structure> make_structure(WideBvh wide, std::vector<std::uint32_t> first_triangles,
+                                          std::size_t degenerate_triangles);
+
 /// The triangle with number `id`, counted over all meshes.
-inline PrimitiveId locate(const Bvh::Structure& structure, std::uint32_t id) {
-  const auto& first = structure.first_triangles;
-  const auto mesh =
-      static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), id) - first.begin() - 1);
-  return {id - first[mesh], mesh};
+inline PrimitiveId locate(const Structure& structure, std::uint32_t id) {
+  return locate(structure.first_triangles, id);
 }
 
 }  // namespace kerf

@@ -1,4 +1,4 @@
-// Builds and questions from many threads at once: for ThreadSanitizer, and for the answers.
+// Builds and queries from many threads at the same time, for ThreadSanitizer and for the answers.
 #include <random>
 #include <thread>
 
@@ -12,7 +12,7 @@
 namespace kerf {
 namespace {
 
-// Every kind of answer to the questions of one thread.
+// The answers to all kinds of queries, as one thread asks them.
 std::string answers(const Bvh& bvh, unsigned seed) {
   std::mt19937 random(seed);
   std::string text;

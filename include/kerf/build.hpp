@@ -12,7 +12,7 @@
 
 namespace kerf {
 
-/// Which hierarchy to build. All obey the same surface-area heuristic and the same rule for leaves.
+/// Which hierarchy to build. All use the same surface-area heuristic and the same rule for leaves.
 enum class Builder {
   sbvh,  ///< object and spatial splits (Stich, Friedrich & Dietrich 2009): the one to use
   bvh,   ///< object splits only
@@ -20,29 +20,29 @@ enum class Builder {
   evh,   ///< edge volume heuristic (Dammertz & Keller 2008), for comparison
 };
 
-/// How to build. The defaults need no thought.
+/// How to build. The defaults suit most uses.
 struct BuildOptions {
-  Builder builder = Builder::sbvh;
+  Builder builder = Builder::sbvh;  ///< which hierarchy
 
-  /// A spatial split is tried where the children of the best object split overlap by more than this part of
-  /// the root's surface area (Stich et al. 2009, section 4.5), but neither in nodes of fewer than 96
-  /// references nor where the overlap is under a twentieth of the node's own area, where nearly none is found
-  /// (docs/decisions/0011, 0012). 0 tries everywhere without exception, 1 nowhere. Range: [0, 1].
+  /// A spatial split is tried where the children of the best object split overlap by more than this fraction
+  /// of the root's surface area (Stich et al. 2009, section 4.5). It is tried neither in nodes of fewer than
+  /// 96 references nor where the overlap is under a twentieth of the node's own area: nearly none is found
+  /// there (docs/decisions/0011, 0012). 0 tries everywhere without exception, 1 nowhere. Range: [0, 1].
   float alpha = 1e-5f;
 
-  /// At most this many references a triangle; the memory for them is taken before the build begins.
+  /// At most this many references per triangle. The memory for them is taken before the build begins.
   /// 1 leaves no room for spatial splits. Range: [1, 16].
   float max_reference_ratio = 1.5f;
 
   /// At most this many references in a leaf. Range: [1, 8].
   std::uint32_t max_leaf_size = 8;
 
-  /// Threads to use; 0 uses all there are. The tree is the same for any number.
+  /// Threads to use; 0 uses all. The tree is the same for any number.
   unsigned threads = 0;
 
-  /// For `esc` and `evh` only: about how many references splitting before the build may make; the threshold
-  /// that comes nearest without exceeding it is found by bisection. 0 stands for `max_reference_ratio` a
-  /// triangle.
+  /// For `esc` and `evh` only: the maximum number of references that splitting before the build makes. The
+  /// threshold that comes nearest without exceeding it is found by bisection. 0 stands for
+  /// `max_reference_ratio` per triangle.
   std::size_t presplit_references = 0;
 
   /// Called now and then, from any thread but never from two at once, with a fraction in [0, 1] that never
@@ -50,17 +50,17 @@ struct BuildOptions {
   std::function<bool(float)> progress = {};
 };
 
-/// Builds the hierarchy of one mesh. Degenerate triangles (no area) are counted and left out; so is nothing
-/// else. Throws `Error`: `invalid_argument`, `non_finite_vertex`, `index_out_of_range`, `too_large`,
+/// Builds the hierarchy of one mesh. Only degenerate triangles, which have no area, are left out; they are
+/// counted. Throws `Error`: `invalid_argument`, `non_finite_vertex`, `index_out_of_range`, `too_large`,
 /// `out_of_memory`, `cancelled`. The mesh may be freed as soon as this returns.
 KERF_API Bvh build(const TriangleMesh& mesh, const BuildOptions& options = {});
 
-/// Builds one hierarchy over several meshes; hits say which mesh by its place in `meshes`.
+/// Builds one hierarchy over several meshes. Hits name a mesh by its place in `meshes`.
 KERF_API Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options = {});
 
-/// The most bytes that a build by `sbvh` or `bvh` of so many triangles can hold at once, whatever they look
-/// like: known before it starts. In practice it is less than half, see `BvhStatistics::build_peak_bytes`.
-/// Throws `Error::invalid_argument` as `build` does.
+/// An upper bound of the bytes that a build by `sbvh` or `bvh` of so many triangles holds at once, whatever
+/// the triangles are. In practice it holds less than half, see `BvhStatistics::build_peak_bytes`. Throws
+/// `Error::invalid_argument` as `build` does.
 KERF_API std::size_t build_memory_bound(std::size_t triangles, const BuildOptions& options = {});
 
 }  // namespace kerf

@@ -21,7 +21,7 @@ namespace kerf {
 
 /// A builder by the name that a user writes.
 struct BuilderInfo {
-  Builder builder;
+  Builder builder;           ///< for `BuildOptions`
   std::string_view name;     ///< lower-case letters
   std::string_view meaning;  ///< one line, without a full stop
 };
@@ -32,21 +32,24 @@ KERF_API std::span<const BuilderInfo> builders();
 /// The first stage of `build`: checks options and meshes as that does and returns the tree. Throws as it
 /// does.
 KERF_API Tree build_tree(std::span<const TriangleMesh> meshes, const BuildOptions& options = {});
+/// The same for one mesh.
 KERF_API Tree build_tree(const TriangleMesh& mesh, const BuildOptions& options = {});
 
 /// The last stage of `build`: from a tree to the structure that is traced, on `threads` threads, 0 for all.
 /// Throws `Error::too_large` or `out_of_memory`. Of the statistics, `build_seconds` is 0.
 KERF_API Bvh make_bvh(const Tree& tree, unsigned threads = 0);
 
-/// The costs of visiting an inner node (two box tests) and of testing a triangle, of Aila, Karras & Laine
-/// 2013 ("On Quality Metrics of Bounding Volume Hierarchies", section 2).
+/// The cost of visiting an inner node, which is two box tests (Aila, Karras & Laine 2013, "On Quality Metrics
+/// of Bounding Volume Hierarchies", section 2).
 inline constexpr double inner_node_cost = 1.2;
+/// The cost of testing a triangle, from the same source.
 inline constexpr double triangle_cost = 1.0;
 
+/// What a tree holds.
 struct TreeCounts {
-  std::size_t references = 0;
-  std::size_t nodes = 0;  ///< inner nodes and leaves
-  std::size_t leaves = 0;
+  std::size_t references = 0;           ///< triangles in leaves, each counted once per leaf
+  std::size_t nodes = 0;                ///< inner nodes and leaves
+  std::size_t leaves = 0;               ///< leaves alone
   std::size_t depth = 0;                ///< of the leaf farthest from the root; 0 where the root is a leaf
   std::vector<std::size_t> leaf_sizes;  ///< leaf_sizes[k] leaves have k references
 };
@@ -72,8 +75,10 @@ KERF_API double end_point_overlap(const Tree& tree);
 /// boxes a line through the root's box meets, over 2^16 lines that are the same on each run. All cores.
 KERF_API double leaf_count_variability(const Tree& tree);
 
-/// The same traversals as `Bvh::intersect` and `Bvh::occluded`, which add to `counters` what they did.
+/// The same traversal as `Bvh::intersect`, which adds to `counters` what it did.
 KERF_API std::optional<Hit> intersect(const Bvh& bvh, const Ray& ray, TraversalCounters& counters);
+
+/// The same traversal as `Bvh::occluded`, which adds to `counters` what it did.
 KERF_API bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounters& counters);
 
 /// Highway's name of the instruction set that hierarchies are traced with from now on: the best of this
@@ -83,10 +88,11 @@ KERF_API std::string_view instruction_set();
 /// Highway's name of the instruction set that `bvh` is traced with; nothing for a hierarchy of nothing.
 KERF_API std::string_view instruction_set(const Bvh& bvh);
 
-/// For measuring what a step of `Bvh::intersect` costs when nothing waits for memory: a ray visits the root,
-/// or one leaf of the layout, `count` times. `bvh` must not be a hierarchy of nothing. The number returned
-/// means nothing; using it keeps the work from being left out.
+/// For measuring what a step of `Bvh::intersect` costs when nothing waits for memory: `ray` visits the root
+/// `count` times. `bvh` must not be a hierarchy of nothing. The result means nothing.
 KERF_API std::uint64_t repeat_node_steps(const Bvh& bvh, const Ray& ray, std::size_t count);
+
+/// The same for the visit of one leaf of the layout.
 KERF_API std::uint64_t repeat_leaf_tests(const Bvh& bvh, const Ray& ray, ChildLink leaf, std::size_t count);
 
 /// The same hierarchy, with all triangles in one mesh: their numbers counted over all meshes become those

@@ -1,4 +1,5 @@
-// kerf: split bounding volume hierarchies over triangle meshes. Include this and nothing else.
+// kerf: split bounding volume hierarchies over triangle meshes. Programs that build and query include this
+// header alone. <kerf/inspect.hpp> and <kerf/layout.hpp> are for tools and for traversals of one's own.
 #pragma once
 
 #include <kerf/build.hpp>

@@ -28,21 +28,26 @@ inline constexpr std::uint32_t max_leaf_triangles = 8;
 ///     1        count - 1   number of the triangles that lie before the leaf
 class ChildLink {
  public:
-  static constexpr std::uint32_t place_bits = 28;
-  static constexpr std::uint32_t max_place = (1u << place_bits) - 1;
+  static constexpr std::uint32_t place_bits = 28;                     ///< bits of a leaf's place
+  static constexpr std::uint32_t max_place = (1u << place_bits) - 1;  ///< the largest number of both kinds
 
   constexpr ChildLink() = default;
+  /// A link by its 32 bits.
   constexpr explicit ChildLink(std::uint32_t bits) : bits_(bits) {}
+  /// The link to the node with that number.
   static constexpr ChildLink node(std::uint32_t number) { return ChildLink(number); }
+  /// The link to a leaf of `count` triangles, before which `first` triangles lie.
   static constexpr ChildLink leaf(std::uint32_t first, std::uint32_t count) {
     return ChildLink((1u << 31) | ((count - 1) << place_bits) | first);
   }
 
-  constexpr bool is_leaf() const { return (bits_ >> 31) != 0; }
+  constexpr bool is_leaf() const { return (bits_ >> 31) != 0; }        ///< otherwise it is a node
   constexpr std::uint32_t node() const { return bits_; }               ///< of a node: its number
   constexpr std::uint32_t first() const { return bits_ & max_place; }  ///< of a leaf: triangles before it
-  constexpr std::uint32_t count() const { return ((bits_ >> place_bits) & 7u) + 1; }  ///< of a leaf
-  constexpr std::uint32_t bits() const { return bits_; }
+  constexpr std::uint32_t count() const {
+    return ((bits_ >> place_bits) & 7u) + 1;
+  }                                                       ///< of a leaf: triangles
+  constexpr std::uint32_t bits() const { return bits_; }  ///< all 32 bits
 
  private:
   std::uint32_t bits_ = 0;
@@ -51,10 +56,10 @@ class ChildLink {
 /// A node of sixteen slots. Children fill the slots from 0 up; an unused slot has an empty box and the link
 /// of some leaf.
 struct alignas(64) WideNode {
-  static constexpr std::uint32_t width = 16;
+  static constexpr std::uint32_t width = 16;  ///< number of slots
 
   float planes[3][2][width];  ///< boxes of the children: [axis][0: lower, 1: upper][slot]
-  ChildLink children[width];
+  ChildLink children[width];  ///< what is in each slot
 
   /// For each octant of ray directions (bit a of the octant's number is set where the direction is negative
   /// along axis a), the slots from near to far, four bits each, the nearest in the lowest (after Fuetterling

@@ -21,8 +21,9 @@ namespace kerf {
 template <class Scalar>
 class TripleView {
  public:
+  /// One triple, copied.
   struct Triple {
-    Scalar values[3];
+    Scalar values[3];  ///< in the order in which they lie in memory
   };
 
   constexpr TripleView() = default;
@@ -31,6 +32,8 @@ class TripleView {
   TripleView(const void* data, std::size_t count, std::size_t stride = 3 * sizeof(Scalar))
       : data_(static_cast<const std::byte*>(data)), count_(count), stride_(stride) {}
 
+  /// The triples of a contiguous range, whose memory must outlive the view. The element's type decides how
+  /// the range is read, see above.
   template <std::ranges::contiguous_range Range>
   requires(!std::is_same_v<std::remove_cvref_t<Range>, TripleView>)
       TripleView(Range&& range)  // NOLINT: implicit, as for std::span
@@ -53,10 +56,11 @@ class TripleView {
     }
   }
 
-  std::size_t size() const { return count_; }
-  std::size_t stride() const { return stride_; }
-  const std::byte* data() const { return data_; }
+  std::size_t size() const { return count_; }      ///< number of triples
+  std::size_t stride() const { return stride_; }   ///< bytes from one triple to the next
+  const std::byte* data() const { return data_; }  ///< address of the first triple
 
+  /// Triple `i`, `i < size()`.
   Triple operator[](std::size_t i) const {
     Triple triple;
     std::memcpy(&triple, data_ + i * stride_, sizeof(triple));

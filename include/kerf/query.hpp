@@ -18,12 +18,12 @@ struct PrimitiveId {
 
 /// The point of a triangle that is closest to a given point: `(1 - u - v) * v0 + u * v1 + v * v2`, rounded.
 struct SurfacePoint {
-  Vec3f position;
-  float distance = 0.0f;
-  float u = 0.0f;
-  float v = 0.0f;
-  std::uint32_t primitive = invalid_id;
-  std::uint32_t mesh = invalid_id;
+  Vec3f position;                        ///< the point itself
+  float distance = 0.0f;                 ///< from the given point
+  float u = 0.0f;                        ///< weight of v1
+  float v = 0.0f;                        ///< weight of v2
+  std::uint32_t primitive = invalid_id;  ///< number of the triangle within its mesh
+  std::uint32_t mesh = invalid_id;       ///< number of the mesh in the order given to `build`
 
   friend constexpr bool operator==(const SurfacePoint&, const SurfacePoint&) = default;
 };

@@ -14,9 +14,10 @@ namespace kerf {
 /// three. `t_min` is at least 0; a ray with `t_max < t_min`, or with a component that is not a number, hits
 /// nothing.
 struct Ray {
-  Vec3f origin;
-  Vec3f direction;
-  float t_min = 0.0f;
+  Vec3f origin;        ///< the point at t = 0
+  Vec3f direction;     ///< of any length but 0
+  float t_min = 0.0f;  ///< hits with a smaller t do not count; at least 0
+  /// Hits with a larger t do not count.
   float t_max = std::numeric_limits<float>::infinity();
 };
 
@@ -25,11 +26,11 @@ inline constexpr std::uint32_t invalid_id = 0xffffffffu;
 
 /// Where a ray crosses a triangle with vertices v0, v1, v2: at `(1 - u - v) * v0 + u * v1 + v * v2`.
 struct Hit {
-  float t = std::numeric_limits<float>::infinity();
-  float u = 0.0f;
-  float v = 0.0f;
-  std::uint32_t primitive = invalid_id;  ///< number of the triangle within its mesh
-  std::uint32_t mesh = invalid_id;       ///< number of the mesh in the order given to `build`
+  float t = std::numeric_limits<float>::infinity();  ///< in lengths of the direction
+  float u = 0.0f;                                    ///< weight of v1
+  float v = 0.0f;                                    ///< weight of v2
+  std::uint32_t primitive = invalid_id;              ///< number of the triangle within its mesh
+  std::uint32_t mesh = invalid_id;                   ///< number of the mesh in the order given to `build`
 
   /// True for a hit, false for the value that the span calls write for a miss.
   constexpr explicit operator bool() const { return primitive != invalid_id; }

@@ -22,15 +22,17 @@ namespace kerf {
 ///     / \ .
 ///    3   4
 struct BinaryNode {
-  Box3f bounds;
+  Box3f bounds;             ///< around all that is below the node
   std::uint32_t first = 0;  ///< inner node: number of the left child; leaf: place of its first reference
   std::uint32_t count = 0;  ///< inner node: 0; leaf: its number of references
 
-  bool is_leaf() const { return count != 0; }
-  std::uint32_t left() const { return first; }
-  std::uint32_t right() const { return first + 1; }
+  bool is_leaf() const { return count != 0; }        ///< otherwise it is an inner node
+  std::uint32_t left() const { return first; }       ///< of an inner node: number of the left child
+  std::uint32_t right() const { return first + 1; }  ///< of an inner node: number of the right child
 };
 static_assert(sizeof(BinaryNode) == 32);
+
+struct KERF_API TreeContent;  // what a `Tree` holds: private to the library
 
 /// A binary bounding volume hierarchy over meshes, as `build_tree` returns it. A handle: copies share one
 /// tree, which never changes. The meshes must stay in memory as they are while the tree is used.
@@ -39,6 +41,7 @@ class KERF_API Tree {
   /// A tree of nothing, without nodes.
   Tree() noexcept = default;
 
+  /// All nodes, parents before their children. Valid as long as this handle or a copy of it.
   std::span<const BinaryNode> nodes() const;
 
   /// The triangles of the leaves, leaf after leaf, by their number counted over all meshes.
@@ -47,17 +50,17 @@ class KERF_API Tree {
   std::size_t triangles() const;             ///< in the meshes given
   std::size_t degenerate_triangles() const;  ///< of these, left out because they have no area
 
-  /// The triangle with number `id`: its place in the meshes, and its vertices.
+  /// The place in the meshes of the triangle with number `id`.
   PrimitiveId locate(std::uint32_t id) const;
+
+  /// The vertices of the triangle with number `id`.
   Triangle triangle(std::uint32_t id) const;
 
-  struct Content;  ///< private to the library
-
  private:
-  friend struct Content;
-  explicit Tree(std::shared_ptr<const Content> content) : content_(std::move(content)) {}
+  friend struct TreeContent;
+  explicit Tree(std::shared_ptr<const TreeContent> content) : content_(std::move(content)) {}
 
-  std::shared_ptr<const Content> content_;
+  std::shared_ptr<const TreeContent> content_;
 };
 
 }  // namespace kerf

@@ -5,8 +5,11 @@
 
 namespace kerf {
 
+/// A triangle by its vertices, in the order of its mesh.
 struct Triangle {
-  Vec3f v0, v1, v2;
+  Vec3f v0;  ///< the first vertex
+  Vec3f v1;  ///< the second
+  Vec3f v2;  ///< the third
 
   friend constexpr bool operator==(const Triangle&, const Triangle&) = default;
 };

@@ -7,12 +7,13 @@ namespace kerf {
 
 /// A point or a direction in three dimensions.
 struct Vec3f {
-  float x = 0.0f;
-  float y = 0.0f;
-  float z = 0.0f;
+  float x = 0.0f;  ///< along the first axis
+  float y = 0.0f;  ///< along the second
+  float z = 0.0f;  ///< along the third
 
   /// The component on `axis`: 0 is x, 1 is y, 2 is z.
   constexpr float operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  /// The same, to write to.
   constexpr float& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
 
   friend constexpr bool operator==(const Vec3f&, const Vec3f&) = default;
@@ -20,8 +21,10 @@ struct Vec3f {
 
 /// An axis-aligned box, both ends included. A default box is empty: growing it by a point gives that point.
 struct Box3f {
+  /// The smallest coordinates in the box.
   Vec3f lower{std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
               std::numeric_limits<float>::infinity()};
+  /// The largest coordinates in the box.
   Vec3f upper{-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
               -std::numeric_limits<float>::infinity()};
 

@@ -9,8 +9,8 @@
 
 namespace kerf {
 
-/// A fixed number of trivial values, not initialised, in `LargeMemory`.
-/// (Diffuse rays on a mesh of 871,414 triangles: see docs/decisions/0040.)
+/// A fixed number of trivial values in `LargeMemory`, not initialised. docs/decisions/0040 has the gain for
+/// diffuse rays on a mesh of 871,414 triangles.
 template <class T>
 class AlignedArray {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -27,7 +27,7 @@ class AlignedArray {
   T* data() const { return data_.get(); }
   T& operator[](std::size_t i) const { return data_.get()[i]; }
 
-  /// What keeps the memory: for views that outlive this array.
+  /// Keeps the memory, for views that outlive this array.
   std::shared_ptr<const void> owner() const { return data_; }
 
  private:

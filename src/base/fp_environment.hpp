@@ -9,11 +9,12 @@
 
 namespace kerf {
 
-/// While there is one, this thread rounds to nearest and keeps denormals. Renderers flush denormals to zero,
-/// as Embree's manual asks, and interval arithmetic rounds upwards; kerf's bounds on errors hold with
-/// neither, and the integers that builds keep in lanes of vectors of floats look like denormals.
+/// While an object lives, its thread rounds to nearest and keeps denormals. Callers may have other modes:
+/// renderers flush denormals to zero, as Embree's manual asks, and interval arithmetic rounds upwards. kerf's
+/// error bounds hold with neither. Builds also keep integers in lanes of float vectors, and these look like
+/// denormals.
 ///
-/// Single rays do without one, which would cost them 2 to 3 %: their kernels need rounding to nearest alone.
+/// Single rays do without, because it would cost them 2 to 3 %. Their kernels only need rounding to nearest.
 class PlainFloatingPoint {
  public:
 #if defined(__SSE2__)

@@ -10,9 +10,9 @@
 
 namespace kerf {
 
-/// Aligned to a cache line; from one huge page on to huge pages, which the system is asked for: a random
-/// visit then costs no walk through the page table, and new memory comes 512 pages at a time, which takes a
-/// tenth as long (docs/decisions/0040). Throws `std::bad_alloc`.
+/// Memory aligned to a cache line. From the size of a huge page on it is aligned to huge pages, which the
+/// system is asked for: a random access then costs no walk of the page table, and new memory comes 512 pages
+/// at a time, which takes a tenth as long (docs/decisions/0040). Throws `std::bad_alloc`.
 class LargeMemory {
   static constexpr std::size_t cache_line = 64;
   static constexpr std::size_t huge_page = std::size_t{1} << 21;
@@ -25,7 +25,7 @@ class LargeMemory {
   static void* take(std::size_t bytes) {
     void* const memory = ::operator new(bytes, alignment(bytes));
 #ifdef __linux__
-    if (bytes >= huge_page) madvise(memory, bytes, MADV_HUGEPAGE);  // a wish: no harm if refused
+    if (bytes >= huge_page) madvise(memory, bytes, MADV_HUGEPAGE);  // a hint: no harm if refused
 #endif
     return memory;
   }

@@ -1,4 +1,4 @@
-// What a failed allocation becomes at the public API.
+// Failed allocations become errors at the public API.
 #pragma once
 
 #include <new>
@@ -8,7 +8,7 @@
 
 namespace kerf {
 
-/// Calls `work` and returns what it returns; a `std::bad_alloc` becomes `Error::out_of_memory`.
+/// Calls `work` and returns what it returns. A `std::bad_alloc` becomes `Error::out_of_memory`.
 template <class Work>
 decltype(auto) report_out_of_memory(Work&& work) {
   try {

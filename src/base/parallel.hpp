@@ -1,10 +1,9 @@
-// oneTBB's loops, as the library and its tools use them. oneTBB's threads have the floating-point modes of
-// whoever used it first; tasks have the default ones.
+// Loops over threads. They run on oneTBB, whose threads have the floating-point modes of the thread that used
+// it first; tasks here have the default modes.
 //
 // ThreadSanitizer sees synchronisation only in code that was compiled with it, and the packaged oneTBB was
-// not: every task would seem to race with whoever spawned it. In its builds the same tasks run on threads of
-// the standard library, which it understands, so that what it reports is a race between tasks and nothing
-// else.
+// not: every task would seem to race with its parent. In ThreadSanitizer's builds the same tasks run on
+// threads of the standard library, which it understands, so that each report is a race between tasks.
 #pragma once
 
 #include <algorithm>
@@ -38,17 +37,17 @@
 
 namespace kerf {
 
-/// How many threads work where `wanted` are asked for, or, with 0, all there are: oneTBB has no more for
-/// anyone than it is held to, and warns whoever asks for more.
+/// The number of threads that work where `wanted` are asked for; 0 asks for all. oneTBB never has more than
+/// its `max_allowed_parallelism`, and prints a warning if more are asked for.
 inline int usable_threads(unsigned wanted) {
-  const auto most =
+  const auto available =
       static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-  return static_cast<int>(wanted == 0 ? most : std::min(wanted, most));
+  return static_cast<int>(wanted == 0 ? available : std::min(wanted, available));
 }
 
 #ifdef KERF_STANDARD_THREADS
 
-/// Whether this thread works alone.
+/// True while the work of this thread is to run on this thread only.
 inline thread_local bool one_thread_only = false;
 
 /// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`.
@@ -73,8 +72,9 @@ void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& 
   if (one_thread_only) {
     work();
   } else {
-    const std::jthread other(work);
+    std::thread other(work);  // neither call of `work` throws
     work();
+    other.join();
   }
   if (error) std::rethrow_exception(error);
 }
@@ -87,25 +87,25 @@ void parallel_for(Index count, const Body& body) {
   });
 }
 
-/// The sum of `body(range)` over ranges of `0 .. count - 1`, parted and added up in the same way on any
-/// number of threads.
+/// The sum of `body(range)` over ranges of `0 .. count - 1`, which are divided and added up in the same way
+/// on any number of threads.
 template <class Sum, class Index, class Body>
 Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
-  std::vector<Sum> parts((static_cast<std::size_t>(count) + grain - 1) / grain);
+  std::vector<Sum> sums((static_cast<std::size_t>(count) + grain - 1) / grain);
   parallel_for_ranges(Index{0}, count, grain,
-                      [&](const auto& range) { parts[range.begin() / grain] = body(range); });
+                      [&](const auto& range) { sums[range.begin() / grain] = body(range); });
   Sum sum{};
-  for (const Sum& part : parts) sum = sum + part;
+  for (const Sum& other : sums) sum = sum + other;
   return sum;
 }
 
-/// Calls both, perhaps at once.
+/// Calls both, possibly at the same time.
 template <class First, class Second>
 void parallel_invoke(const First& first, const Second& second) {
   parallel_for(2, [&](int i) { i == 0 ? first() : second(); });
 }
 
-/// Calls `work` on `wanted` threads, 0 for all there are, and returns what it returns.
+/// Calls `work` on `wanted` threads, 0 for all, and returns what it returns.
 template <class Work>
 auto on_threads(unsigned wanted, const Work& work) {
   struct Restore {
@@ -137,8 +137,8 @@ void parallel_for(Index count, const Body& body) {
   });
 }
 
-/// The sum of `body(range)` over ranges of `0 .. count - 1`, parted and added up in the same way on any
-/// number of threads.
+/// The sum of `body(range)` over ranges of `0 .. count - 1`, which are divided and added up in the same way
+/// on any number of threads.
 template <class Sum, class Index, class Body>
 Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
   return tbb::parallel_deterministic_reduce(
@@ -150,7 +150,7 @@ Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
       [](const Sum& a, const Sum& b) { return a + b; });
 }
 
-/// Calls both, perhaps at once.
+/// Calls both, possibly at the same time.
 template <class First, class Second>
 void parallel_invoke(const First& first, const Second& second) {
   const auto plainly = [](const auto& call) {
@@ -162,9 +162,9 @@ void parallel_invoke(const First& first, const Second& second) {
   tbb::parallel_invoke(plainly(first), plainly(second));
 }
 
-/// Calls `work` on `wanted` threads, 0 for all there are, and returns what it returns. If the caller's arena
-/// has as many, they need not be called into another, which takes 70 microseconds each time; `work` then
-/// waits for its own tasks only, as it would in an arena of its own.
+/// Calls `work` on `wanted` threads, 0 for all, and returns what it returns. If the caller's arena has that
+/// many threads, `work` runs in it: entering another arena takes 70 microseconds. It is isolated there, so
+/// that it waits for its own tasks only.
 template <class Work>
 auto on_threads(unsigned wanted, const Work& work) {
   const int threads = usable_threads(wanted);

@@ -1,4 +1,4 @@
-// Memory that tasks work in, one piece for each of those that run at once.
+// Scratch memory for tasks, one piece for each task that runs at the same time.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace kerf {
 
-/// A task borrows a piece and has it to itself until the loan ends; the next one gets it as it was left.
-/// There are no more pieces than there have been loans at once.
+/// A task borrows a piece and has it to itself until the loan ends. The next task finds its contents as they
+/// were left. There are never more pieces than loans at one time.
 template <class T>
 class ScratchPool {
  public:
@@ -31,7 +31,7 @@ class ScratchPool {
     std::unique_ptr<T> piece_;
   };
 
-  /// A piece that is free, or what `make()` returns if there is none.
+  /// A free piece, or what `make()` returns if there is none.
   template <class Make>
   Loan borrow(const Make& make) {
     {
@@ -49,7 +49,7 @@ class ScratchPool {
     return Loan(*this, std::move(piece));
   }
 
-  /// How many pieces there are.
+  /// The number of pieces.
   std::size_t size() const {
     const std::lock_guard lock(mutex_);
     return pieces_;

@@ -1,4 +1,4 @@
-// Vectors that are about to be filled by several threads.
+// Vectors that several threads fill.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace kerf {
 
-/// Leaves what a vector grows by as the memory was, so that whoever writes there is the first to touch it: on
-/// a tree of 28 MB, clearing it first on one thread took a thirtieth of the build.
+/// Does not initialise the elements that a vector grows by, so that the thread that writes them is the first
+/// to touch their memory. On a tree of 28 MB, clearing it first on one thread took a thirtieth of the build.
 template <class T>
 struct UninitializedAllocator {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);

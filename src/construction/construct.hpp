@@ -8,8 +8,8 @@
 
 namespace kerf {
 
-/// Checks the options and every triangle, then builds the tree that `options.builder` names.
-/// Throws as `kerf::build` does.
-BinaryTree build_tree(const Geometry& geometry, const BuildOptions& options);
+/// Checks the options and every triangle, then builds the tree with the builder that `options` name. Throws
+/// as `kerf::build` does, but where memory runs out it throws `std::bad_alloc`.
+BinaryTree construct(const Geometry& geometry, const BuildOptions& options);
 
 }  // namespace kerf

@@ -1,18 +1,14 @@
-// From what the caller gave to what builders sort.
+// From the triangles of the caller to the references that builders sort.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
-
-#include <kerf/build.hpp>
 
 #include "tree/geometry.hpp"
 #include "tree/reference.hpp"
 
 namespace kerf {
-
-/// Throws `Error::invalid_argument`, which names the option that is out of its range.
-void check_options(const BuildOptions& options);
 
 struct ReferenceSummary {
   std::uint32_t count = 0;
@@ -23,8 +19,8 @@ struct ReferenceSummary {
 
 /// Writes one reference for each triangle of `geometry` that has an area to `references`, in the order of
 /// their numbers, on all threads of the task arena that this is called in. There must be room for
-/// `triangle_count()`. Throws `Error::index_out_of_range` or `Error::non_finite_vertex`, which name the first
-/// that is wrong.
+/// `triangle_count()` references. Throws `Error::index_out_of_range` or `Error::non_finite_vertex`, which
+/// name the first triangle that is wrong.
 ReferenceSummary write_references(const Geometry& geometry, Reference* references);
 
 struct Input {
@@ -32,7 +28,7 @@ struct Input {
   std::size_t degenerate_triangles = 0;
 };
 
-/// The same into memory of their own.
+/// The same into a vector of its own.
 Input make_references(const Geometry& geometry);
 
 }  // namespace kerf

@@ -1,4 +1,4 @@
-// A triangle's corner in a vector register.
+// A vertex of a triangle in a vector register.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_LOAD_CORNER_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -19,11 +19,11 @@ HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 
-// Corners without a negative zero: instruction sets disagree about which zero is the lesser.
+// Negative zeros become positive: instruction sets disagree about which zero is the smaller one.
 HWY_INLINE Float4 load_corner(const TripleView<float>& vertices, std::uint32_t index) {
   const std::byte* const at = vertices.data() + index * vertices.stride();
   Float4 corner;
-  if (index + 1 < vertices.size() && vertices.stride() >= 4) {  // a fourth float can be read
+  if (index + 1 < vertices.size() && vertices.stride() >= 4) {  // reading a fourth float is safe
     corner = hn::LoadU(f32x4, reinterpret_cast<const float*>(at));
   } else {
     alignas(16) float copy[4] = {};

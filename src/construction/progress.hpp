@@ -1,4 +1,4 @@
-// Telling the caller how far a build is, and whether it may go on.
+// Tells the caller how far a build is, and asks whether it may go on.
 #pragma once
 
 #include <atomic>
@@ -6,18 +6,18 @@
 #include <functional>
 #include <mutex>
 
-#include <kerf/error.hpp>
+#include "base/raise.hpp"
 
 namespace kerf {
 
-/// Counts finished work from any thread; calls back from one at a time.
+/// Counts finished work from any thread. Calls back from one thread at a time.
 class Progress {
  public:
   /// `total` is the work that makes a fraction of 1. `report` may be empty and must outlive this.
   Progress(const std::function<bool(float)>& report, std::uint64_t total) : report_(report), total_(total) {}
 
-  /// Adds to the finished work; throws `Error::cancelled` once the callback has returned false. Whoever finds
-  /// another thread in the callback does not wait for it.
+  /// Adds to the finished work. Throws `Error::cancelled` once the callback has returned false. While another
+  /// thread is in the callback, this one neither calls nor waits.
   void add(std::uint64_t work) {
     if (!report_) return;
     done_.fetch_add(work, std::memory_order_relaxed);
@@ -33,7 +33,7 @@ class Progress {
 
   /// Throws `Error::cancelled` once the callback has returned false.
   void check() const {
-    if (cancelled_.load(std::memory_order_relaxed)) throw Error(Error::cancelled, "the build was cancelled");
+    if (cancelled_.load(std::memory_order_relaxed)) raise(Error::cancelled, "the build was cancelled");
   }
 
  private:

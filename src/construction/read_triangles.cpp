@@ -20,9 +20,9 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Whether the triangle certainly has an area: a coordinate of the cross product of two edges is larger than
-// what rounding may have made of zero. Edges, products and their difference are each off by 2^-24 of
-// themselves, products by the least float as well; that is less than 2^-21 of what is subtracted.
+// Whether the triangle certainly has an area: a component of the cross product of two edges is larger than
+// rounding can make of zero. Edges, products and their difference are each off by 2^-24 of themselves, and
+// products by the smallest float as well. Together that is less than 2^-21 of what is subtracted.
 HWY_INLINE bool has_area(Float4 a, Float4 b, Float4 c) {
   alignas(16) static constexpr std::int32_t next_axis[4] = {1, 2, 0, 3};
   const auto to_next = hn::SetTableIndices(f32x4, next_axis);
@@ -36,7 +36,7 @@ HWY_INLINE bool has_area(Float4 a, Float4 b, Float4 c) {
 }
 
 ReadTriangles read_triangles(const Geometry& geometry, const TriangleRow& row, Reference* references) {
-  // Copies, which stores to references cannot change for all that a compiler knows.
+  // Local copies: the compiler knows that stores to references do not change them.
   const TripleView<std::uint32_t> triangles = geometry.meshes()[row.mesh].triangles;
   const TripleView<float> vertices = geometry.meshes()[row.mesh].vertices;
   const std::uint32_t end = row.end, id_offset = row.first_id - row.begin;

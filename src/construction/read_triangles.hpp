@@ -1,4 +1,4 @@
-// The boxes of a row of triangles, compiled once for every instruction set.
+// The boxes of a row of triangles. Compiled once for every instruction set.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,15 @@ struct TriangleRow {
   std::uint32_t mesh, begin, end, first_id;
 };
 
-/// Sums and differences of two coordinates, and what is made of these, stay finite below a quarter of the
-/// range.
+/// Below a quarter of the range of floats, sums and differences of two coordinates stay finite.
 inline constexpr float coordinate_limit = 0x1p126f;
 
 struct ReadTriangles {
   static constexpr std::uint32_t nothing_wrong = 0xffffffffu;
 
-  std::uint32_t count = 0;  ///< of references written
-  std::uint32_t wrong =
-      nothing_wrong;             ///< the number of the first triangle that cannot be taken: here it ends
-  Box3f box, doubled_centroids;  ///< of the references, as in `NodeInput`
+  std::uint32_t count = 0;              ///< of references written
+  std::uint32_t wrong = nothing_wrong;  ///< number of the first triangle that is refused; reading stops there
+  Box3f box, doubled_centroids;         ///< of the references, as in `NodeInput`
 };
 
 /// Writes a reference for each triangle of the row that has an area. Stops at one with an index that names no

@@ -1,33 +1,30 @@
+#include "files/check_structure.hpp"
+
 #include <algorithm>
 #include <bit>
-#include <cstdio>
 #include <vector>
 
-#include <kerf/error.hpp>
-
 #include "base/parallel.hpp"
-#include "files/file_image.hpp"
+#include "base/raise.hpp"
 #include "math/vec3f.hpp"
 #include "tree/binary_tree.hpp"
 
 namespace kerf {
 namespace {
 
-// A thread checks this many in about 50 us: fewer are not worth another's waking.
-constexpr std::uint32_t nodes_a_part = 256;
+// A thread checks this many nodes in about 50 us. Fewer are not worth waking another thread.
+constexpr std::uint32_t nodes_per_block = 256;
 
-[[noreturn]] void refuse(const char* what, std::size_t where) {
-  char sentence[256];
-  std::snprintf(sentence, sizeof sentence, "%s (%zu)", what, where);
-  throw Error(Error::bad_format, sentence);
+// `number` says where: of a node, a triangle, a mesh.
+[[noreturn]] void refuse(const char* what, std::size_t number) {
+  raise(Error::bad_format, "%s (%zu)", what, number);
 }
 
-void check_meshes(const Bvh::Structure& structure) {
-  const auto& first = structure.first_triangles;
+void check_meshes(std::span<const std::uint32_t> first, const FileHeader& header) {
   if (first.front() != 0 || !std::is_sorted(first.begin(), first.end()))
     refuse("the meshes are out of order", 0);
-  if (first.back() >= std::uint32_t{1} << 31 || first.back() != structure.statistics.triangles ||
-      structure.statistics.degenerate_triangles > structure.statistics.triangles) {
+  if (first.back() >= std::uint32_t{1} << 31 || first.back() != header.triangles ||
+      header.degenerate_triangles > header.triangles) {
     refuse("the meshes have another number of triangles", first.back());
   }
 }
@@ -49,17 +46,18 @@ bool all_finite(const std::uint32_t* words, std::size_t count) {
   return found == 0;
 }
 
-// Links only lead onward, and no two to the same node: a tree, which every traversal leaves again.
+// Links lead to later nodes only, and no two lead to the same node. That is a tree, in which every traversal
+// comes to an end.
 void check_links(const WideBvh& wide) {
   static_assert(max_tree_depth < 255);
   std::vector<std::uint8_t> depths(wide.nodes.size(), 0);  // of each node; 0 until a link to it is met
   depths[0] = 1;
-  std::uint32_t deepest = 0;
+  std::uint32_t max_depth = 0;
   for (std::uint32_t number = 0; number < wide.nodes.size(); ++number) {
     const std::uint8_t depth = depths[number];
     if (depth == 0) refuse("a node that no other leads to", number);
     if (depth > max_tree_depth) refuse("a node too deep for any traversal", number);
-    deepest = std::max<std::uint32_t>(deepest, depth);
+    max_depth = std::max<std::uint32_t>(max_depth, depth);
     for (const ChildLink child : wide.nodes[number].children) {
       if (child.is_leaf()) continue;
       if (child.node() <= number || child.node() >= depths.size())
@@ -68,16 +66,14 @@ void check_links(const WideBvh& wide) {
       depths[child.node()] = static_cast<std::uint8_t>(depth + 1);
     }
   }
-  if (deepest != wide.depth) refuse("the hierarchy has another depth", deepest);
+  if (max_depth != wide.depth) refuse("the hierarchy has another depth", max_depth);
 }
 
-// What else there is to a node: orders, boxes, leaves.
+// Checks the orders, boxes and leaves of a node.
 class NodeCheck {
  public:
-  explicit NodeCheck(const Bvh::Structure& structure)
-      : wide_(structure.wide),
-        triangles_(structure.first_triangles.back()),
-        references_(wide_.references()) {}
+  NodeCheck(const WideBvh& wide, std::uint32_t triangles)
+      : wide_(wide), triangles_(triangles), references_(wide.references()) {}
 
   void operator()(std::uint32_t number) {
     const WideNode& node = wide_.nodes[number];
@@ -98,7 +94,7 @@ class NodeCheck {
   }
 
  private:
-  // Arithmetic on the strangest rays may lead there. As a rule they all name the same leaf.
+  // Overflowing arithmetic may lead a ray there. As a rule all unused slots name the same leaf.
   void check_unused(ChildLink child, std::uint32_t number) {
     if (!child.is_leaf()) refuse("an unused slot that names a node", number);
     if (child.bits() == unused_.bits()) return;
@@ -119,30 +115,30 @@ class NodeCheck {
   const WideBvh& wide_;
   std::uint32_t triangles_;
   std::size_t references_;
-  ChildLink unused_;  // of an unused slot, checked; a node until there is one
+  ChildLink unused_;  // the last one of an unused slot that was checked; a node if there is none
 };
 
-void check_nodes(const Bvh::Structure& structure) {
-  const auto count = static_cast<std::uint32_t>(structure.wide.nodes.size());
+void check_nodes(const WideBvh& wide, std::uint32_t triangles) {
+  const auto count = static_cast<std::uint32_t>(wide.nodes.size());
   const auto check = [&](std::uint32_t begin, std::uint32_t end) {
-    NodeCheck check_node(structure);
+    NodeCheck check_node(wide, triangles);
     for (std::uint32_t number = begin; number < end; ++number) check_node(number);
   };
-  if (count <= nodes_a_part) return check(0, count);
+  if (count <= nodes_per_block) return check(0, count);
   try {
-    parallel_for_ranges(0u, count, nodes_a_part,
+    parallel_for_ranges(0u, count, nodes_per_block,
                         [&](const auto& range) { check(range.begin(), range.end()); });
   } catch (const Error&) {
-    check(0, count);  // of all that is wrong, the first is named, whichever thread saw it first
+    check(0, count);  // names the first wrong node, whichever thread found one first
     throw;
   }
 }
 
 }  // namespace
 
-void check_structure(const Bvh::Structure& structure) {
-  check_meshes(structure);
-  const WideBvh& wide = structure.wide;
+void check_structure(const WideBvh& wide, std::span<const std::uint32_t> first_triangles,
+                     const FileHeader& header) {
+  check_meshes(first_triangles, header);
   if (wide.nodes.empty()) {
     if (!wide.leaves.empty() || wide.depth != 0 || wide.bounds != Box3f{})
       refuse("triangles without nodes", 0);
@@ -155,7 +151,7 @@ void check_structure(const Bvh::Structure& structure) {
   if (!is_finite(wide.bounds.lower) || !is_finite(wide.bounds.upper) || wide.bounds.empty()) {
     refuse("impossible bounds", 0);
   }
-  check_nodes(structure);
+  check_nodes(wide, first_triangles.back());
   check_links(wide);
 }
 

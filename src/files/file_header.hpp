@@ -4,14 +4,17 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include <kerf/vec.hpp>
 
 namespace kerf {
 
+struct Structure;
+
 struct FileHeader {
-  /// As PNG's: a byte that is not text, the name, then line ends that a transfer as text would change.
+  /// Like that of PNG: a byte that is not text, the name, and line ends that a transfer as text would change.
   static constexpr std::array<unsigned char, 8> expected_magic{0x89, 'k', 'e', 'r', 'f', '\r', '\n', 0x1a};
   static constexpr std::uint32_t native_byte_order = 0x01020304;
   static constexpr std::uint32_t current_version = 2;
@@ -35,7 +38,7 @@ struct FileHeader {
 };
 static_assert(sizeof(FileHeader) == 120 && std::is_trivially_copyable_v<FileHeader>);
 
-/// Where the sections of a file lie: each begins at a multiple of 64, behind it zeros up to the next.
+/// Where the sections of a file lie. Each begins at a multiple of 64; zeros fill the space between them.
 struct FileLayout {
   static constexpr std::uint64_t alignment = 64;
 
@@ -47,5 +50,14 @@ struct FileLayout {
   /// `header.leaf_words` must be below 2^60.
   explicit FileLayout(const FileHeader& header);
 };
+
+/// The header of the file of `structure`. It depends neither on the machine's speed nor on the number of
+/// threads.
+FileHeader make_header(const Structure& structure);
+
+/// Checks all that a header can tell by itself, and that the file has as many bytes as it says, so that
+/// memory can be taken for them. `bytes` are the first of the file, at least `sizeof(FileHeader)` unless the
+/// file is shorter. Throws `Error::bad_format`, which says what is wrong.
+FileHeader read_header(std::span<const std::byte> bytes, std::uint64_t file_bytes);
 
 }  // namespace kerf

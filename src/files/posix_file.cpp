@@ -2,76 +2,71 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <random>
 #include <string>
 
 #include <fcntl.h>
-#include <kerf/error.hpp>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/parallel.hpp"
+#include "base/raise.hpp"
 
 namespace kerf {
 namespace {
 
-// One call moves at most this much: the system's own limit is 2^31 - 4096.
-constexpr std::size_t most_at_once = std::size_t{1} << 30;
+// One call moves at most this many bytes. The system's own limit is 2^31 - 4096.
+constexpr std::size_t max_bytes_per_call = std::size_t{1} << 30;
 
-// Threads that read a file together take about this much each, some tenths of a millisecond.
-constexpr std::size_t part_bytes = std::size_t{1} << 22;
+// Threads that read a file together take about this many bytes at a time, which takes some tenths of a
+// millisecond.
+constexpr std::size_t block_bytes = std::size_t{1} << 22;
 
+// For a failed call of the system, whose `errno` was `error`.
 [[noreturn]] void fail(const std::filesystem::path& path, const char* what, int error) {
-  char sentence[512];
-  std::snprintf(sentence, sizeof sentence, "%s: %s: %s", path.c_str(), what, std::strerror(error));
-  throw Error(Error::io, sentence);
+  raise(Error::io, "%s: %s: %s", path.c_str(), what, std::strerror(error));
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const char* what) {
-  char sentence[512];
-  std::snprintf(sentence, sizeof sentence, "%s: %s", path.c_str(), what);
-  throw Error(Error::io, sentence);
-}
-
-// The system would take the path to end at a zero byte and open another file.
+// To the system a path ends at a zero byte: it would open another file.
 void check_path(const std::filesystem::path& path) {
-  if (path.native().find('\0') != std::string::npos) refuse(path, "has a zero byte in its name");
+  if (path.native().find('\0') != std::string::npos)
+    raise(Error::io, "%s: has a zero byte in its name", path.c_str());
 }
 
-// The file that `path` means: what stands at the end of a chain of symbolic links, or could.
+// The file that `path` stands for: the end of a chain of symbolic links, whether it exists or not.
 std::filesystem::path follow_links(std::filesystem::path path) {
-  constexpr int most_links = 40;  // as many as the system follows
+  constexpr int max_links = 40;  // as many as the system follows
   std::error_code error;
   for (int links = 0; std::filesystem::is_symlink(path, error); ++links) {
-    if (links == most_links) fail(path, "cannot be written", ELOOP);
+    if (links == max_links) fail(path, "cannot be written", ELOOP);
     path = path.parent_path() / std::filesystem::read_symlink(path, error);
     if (error) fail(path, "cannot be written", error.value());
   }
   return path;
 }
 
-// The new file until it has its name; removed if that does not come to pass. Devices, pipes and directories
-// are not replaced. Who may read and write an old file may do so with the new one.
+// The new file until it has its final name. It is removed if it never gets it. Devices, pipes and directories
+// are not replaced. The new file has the permissions of the old one.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::filesystem::path& final_path) : final_path_(final_path) {
     struct stat old {};
     const bool replaces = ::stat(final_path.c_str(), &old) == 0;
-    if (replaces && !S_ISREG(old.st_mode)) refuse(final_path, "is not a file that can be replaced");
+    if (replaces && !S_ISREG(old.st_mode))
+      raise(Error::io, "%s: is not a file that can be replaced", final_path.c_str());
     const mode_t mode = replaces ? old.st_mode & 0777 : 0666;
-    // With a number of up to ten digits it fits into the 255 bytes that a name may have.
-    constexpr std::size_t longest_name = 240;
-    const std::string name = final_path.filename().string().substr(0, longest_name);
+    // With a number of up to ten digits the name has at most the 255 bytes that a system allows.
+    constexpr std::size_t max_name_bytes = 240;
+    const std::string name = final_path.filename().string().substr(0, max_name_bytes);
     std::random_device random;
     do {
       path_ = (final_path.parent_path() / (name + "." + std::to_string(random()) + ".tmp")).string();
       descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     } while (descriptor_ < 0 && errno == EEXIST);
     if (descriptor_ < 0) fail(final_path, "cannot be written", errno);
-    if (replaces) (void)::fchmod(descriptor_, mode);  // what file systems without permissions refuse
+    if (replaces) (void)::fchmod(descriptor_, mode);  // file systems without permissions refuse
   }
   ~TemporaryFile() {
     if (descriptor_ >= 0) ::close(descriptor_);
@@ -82,7 +77,7 @@ class TemporaryFile {
 
   void write(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), std::min(bytes.size(), most_at_once));
+      const ssize_t written = ::write(descriptor_, bytes.data(), std::min(bytes.size(), max_bytes_per_call));
       if (written < 0 && errno == EINTR) continue;
       if (written < 0) fail(final_path_, "cannot be written", errno);
       bytes = bytes.subspan(static_cast<std::size_t>(written));
@@ -105,8 +100,8 @@ class TemporaryFile {
   bool renamed_ = false;
 };
 
-// The new name is on the disk once its directory is. Some file systems cannot do that for a directory, and
-// say so with EINVAL: they have no need to.
+// The new name is on the disk once its directory is. File systems that need no such call for directories
+// answer EINVAL.
 void sync_directory(const std::filesystem::path& path) {
   const std::filesystem::path directory =
       path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
@@ -129,7 +124,8 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   if (!known || !S_ISREG(status.st_mode)) {
     const int error = known ? EISDIR : errno;
     ::close(descriptor_);
-    if (known && !S_ISDIR(status.st_mode)) refuse(path, "is not a file that can be read");
+    if (known && !S_ISDIR(status.st_mode))
+      raise(Error::io, "%s: is not a file that can be read", path.c_str());
     fail(path, "cannot be read as a file", error);
   }
   size_ = static_cast<std::uint64_t>(status.st_size);
@@ -140,16 +136,16 @@ InputFile::~InputFile() {
 }
 
 void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const {
-  if (bytes.size() <= part_bytes) return read_part(bytes, offset);
-  parallel_for_ranges(std::size_t{0}, bytes.size(), part_bytes, [&](const auto& range) {
-    read_part(bytes.subspan(range.begin(), range.size()), offset + range.begin());
+  if (bytes.size() <= block_bytes) return read_block(bytes, offset);
+  parallel_for_ranges(std::size_t{0}, bytes.size(), block_bytes, [&](const auto& range) {
+    read_block(bytes.subspan(range.begin(), range.size()), offset + range.begin());
   });
 }
 
-void InputFile::read_part(std::span<std::byte> bytes, std::uint64_t offset) const {
+void InputFile::read_block(std::span<std::byte> bytes, std::uint64_t offset) const {
   while (!bytes.empty()) {
-    const ssize_t count =
-        ::pread(descriptor_, bytes.data(), std::min(bytes.size(), most_at_once), static_cast<off_t>(offset));
+    const ssize_t count = ::pread(descriptor_, bytes.data(), std::min(bytes.size(), max_bytes_per_call),
+                                  static_cast<off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) fail(path_, "cannot be read", errno);
     if (count == 0) fail(path_, "became shorter while it was read", EIO);
@@ -165,11 +161,11 @@ std::shared_ptr<const std::byte> InputFile::map() const {
           [bytes = size_](const std::byte* mapped) { ::munmap(const_cast<std::byte*>(mapped), bytes); }};
 }
 
-void replace_file(const std::filesystem::path& path, std::span<const std::span<const std::byte>> parts) {
+void replace_file(const std::filesystem::path& path, std::span<const std::span<const std::byte>> pieces) {
   check_path(path);
   const std::filesystem::path target = follow_links(path);
   TemporaryFile file(target);
-  for (const auto& part : parts) file.write(part);
+  for (const auto& piece : pieces) file.write(piece);
   file.finish();
   sync_directory(target);
 }

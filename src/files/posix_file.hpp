@@ -1,4 +1,4 @@
-// Files as the system gives them: opened, read, mapped, and replaced whole.
+// Files as the system has them: opened, read, mapped, and replaced as a whole.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace kerf {
 
-/// A regular file, open for reading. All throw `Error::io`, whose sentence names the file.
+/// A regular file, open for reading. All functions throw `Error::io`, whose sentence names the file.
 class InputFile {
  public:
   explicit InputFile(const std::filesystem::path& path);
@@ -19,25 +19,26 @@ class InputFile {
 
   std::uint64_t size() const { return size_; }
 
-  /// Fills `bytes` with those at `offset`; on all cores if they are many.
+  /// Fills `bytes` with those at `offset`. Many bytes are read on all cores.
   void read(std::span<std::byte> bytes, std::uint64_t offset) const;
 
-  /// The whole file, mapped; its memory follows what others write to the file. Not for an empty file.
+  /// The whole file, mapped: its memory changes when others write to the file. Not for an empty file.
   std::shared_ptr<const std::byte> map() const;
 
  private:
-  void read_part(std::span<std::byte> bytes, std::uint64_t offset) const;
+  void read_block(std::span<std::byte> bytes, std::uint64_t offset) const;
 
   const std::filesystem::path& path_;
   int descriptor_;
   std::uint64_t size_;
 };
 
-/// Writes `parts` one after another to a new file beside `path`, waits until they are on the disk, and gives
-/// it the name `path`: whenever the machine or the process stops, `path` is the old file or the new one. If
-/// the process stops in between, the new file may be left behind under its temporary name, `path` with a
-/// number and ".tmp" behind it. A symbolic link stays, and the file it names is replaced; what is there and
-/// not a file, such as a device, is left alone. Throws `Error::io`, having removed the temporary file.
-void replace_file(const std::filesystem::path& path, std::span<const std::span<const std::byte>> parts);
+/// Writes `pieces` one after another to a new file beside `path`, waits until they are on the disk, and gives
+/// the file the name `path`. Whenever the machine or the process stops, `path` is the old file or the new
+/// one. If the process stops in between, the new file may be left behind under its temporary name: `path`
+/// followed by a number and ".tmp". A symbolic link stays, and the file that it names is replaced. Whatever
+/// is not a regular file, such as a device, is left alone. Throws `Error::io`, and removes the temporary file
+/// first.
+void replace_file(const std::filesystem::path& path, std::span<const std::span<const std::byte>> pieces);
 
 }  // namespace kerf

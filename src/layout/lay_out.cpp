@@ -167,7 +167,7 @@ class LayoutWriter {
     }
   }
 
-  bool may_repeat() const { return tree_.least_divided <= wide_leaf_triangles; }
+  bool may_repeat() const { return tree_.min_divided_count <= wide_leaf_triangles; }
 
   std::uint32_t count_triangles(std::uint32_t leaf) const {
     return may_repeat() ? distinct_triangles(tree_, leaf).count : collapse_.few_references(leaf);

@@ -1,4 +1,4 @@
-// Chopping triangles at axis-aligned planes, without ever losing a point of one to rounding.
+// Chopping triangles at axis-aligned planes, conservatively: rounding never loses a point of a triangle.
 #pragma once
 
 #include <cmath>
@@ -8,21 +8,21 @@
 
 namespace kerf {
 
-/// Rounding in `chop` moves a computed crossing by less than this part of the larger coordinate of its edge's
-/// ends. With u = 2^-24: two differences and a quotient put a relative error of 3u on the edge's parameter;
-/// the third difference and the product add 2u, all of a length of at most twice the larger coordinate; the
-/// sum adds u. That is 11u; the next power of two is taken.
+/// Rounding in `chop` moves a computed crossing by less than this fraction of the larger coordinate of its
+/// edge's ends. With u = 2^-24: two differences and a quotient put a relative error of 3u on the edge's
+/// parameter; the third difference and the product add 2u, all of a length of at most twice the larger
+/// coordinate; the sum adds u. That is 11u; the next power of two is taken.
 inline constexpr float chop_rounding = 16.0f * 0.5f * std::numeric_limits<float>::epsilon();
 
-/// The boxes of the parts of a reference on both sides of a plane. One of them may be empty, not both.
+/// The boxes of the parts of a reference on both sides of a plane. At most one of them is empty.
 struct ChoppedBoxes {
   Box3f left, right;
 };
 
-/// Chops the part of `triangle` inside `box` at `plane` on `axis`. Every point of the triangle that lies in
-/// `box` lies in `left` or in `right`, and those on the plane in both (Stich et al. 2009, section 4.4:
-/// vertices grow the box of their side, edges that cross the plane grow both; here each crossing is widened
-/// by what rounding may have moved it). Coordinates must be below a quarter of the largest float.
+/// Chops the part of `triangle` inside `box` at `plane` on `axis`. Every point of the triangle in `box` lies
+/// in `left` or in `right`, and points on the plane lie in both. As in Stich et al. 2009, section 4.4,
+/// vertices grow the box of their side, and edges that cross the plane grow both. Here each crossing is
+/// widened by what rounding may have moved it. Coordinates must be below a quarter of the largest float.
 inline ChoppedBoxes chop(const Triangle& triangle, const Box3f& box, int axis, float plane) {
   ChoppedBoxes parts;
   const Vec3f corners[3] = {triangle.v0, triangle.v1, triangle.v2};

@@ -1,4 +1,4 @@
-// The distance from a point to a box, never more than it is.
+// A lower bound of the distance from a point to a box.
 #pragma once
 
 #include <algorithm>
@@ -7,10 +7,10 @@
 
 namespace kerf {
 
-/// The squared distance to the nearest point of the box, at most a few roundings too small.
+/// The squared distance to the nearest point of the box, rounded down by a few units in the last place.
 inline double squared_distance(const Vec3f& p, const Box3f& box) {
-  constexpr double below =
-      1.0 - 16.0 / 9007199254740992.0;  // differences, squares and sums: under 7 * 2^-53, twice
+  // The rounding of differences, squares and sums is below 7 * 2^-53; twice that is taken off.
+  constexpr double below = 1.0 - 16.0 / 9007199254740992.0;
   double sum = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     const double d = std::max({0.0, static_cast<double>(box.lower[axis]) - p[axis],

@@ -29,15 +29,15 @@ struct Determinant {
   double value;
   double error;
 
-  /// Of the error, relative to the sum of the terms' sizes. Each term passes at most seven roundings of 2^-53
-  /// (three differences, two products, two sums); Shewchuk's bound for the same expression is (7 + 56 *
-  /// 2^-53) * 2^-53. Ten leaves room for the rounding of the bound itself.
+  /// Bounds the error relative to the sum of the terms' magnitudes. Each term passes at most seven roundings
+  /// of 2^-53 (three differences, two products, two sums); Shewchuk's bound for the same expression is (7 +
+  /// 56 * 2^-53) * 2^-53. Ten leaves room for the rounding of the bound itself.
   static constexpr double bound = 10.0 / 9007199254740992.0;
 
   bool certain() const { return std::abs(value) > error; }
 
-  /// Whether the relative error is below 2^-26, so that a quotient of two rounds to the right float or its
-  /// neighbour.
+  /// Whether the relative error is below 2^-26, so that the quotient of two determinants rounds to the right
+  /// float or its neighbour.
   bool precise() const { return std::abs(value) > error * (1 << 26); }
 };
 
@@ -103,7 +103,7 @@ inline int orientation_2d(float ax, float ay, float bx, float by, float cx, floa
   return sum.sign();
 }
 
-/// Whether a, b and c lie on one line: the triangles without area.
+/// Whether a, b and c lie on one line, as the vertices of a triangle without area do.
 inline bool collinear(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   return orientation_2d(a.x, a.y, b.x, b.y, c.x, c.y) == 0 &&
          orientation_2d(a.y, a.z, b.y, b.z, c.y, c.z) == 0 &&

@@ -14,10 +14,10 @@ namespace kerf {
 /// A ray as box tests see it: along each axis, the ray enters between two planes at `near * inverse + enter`
 /// and leaves at `far * inverse + leave`.
 ///
-/// Boxes are in effect grown by a margin on all sides (as in the appendix of Woop, Benthin & Wald 2013),
-/// which the two constants carry, so that it costs nothing at the box. It covers every rounding between the
-/// exact ray and the computed distances, here and in `intersect_triangle`, in any order and fused or not; Ize
-/// 2013 ("Robust BVH Ray Traversal") covers those of the box test alone. In units of 2^-24, with D the
+/// In effect, boxes are grown by a margin on all sides (as in the appendix of Woop, Benthin & Wald 2013). The
+/// two constants contain it, so that it costs nothing per box. It covers every rounding between the exact ray
+/// and the computed distances, here and in `intersect_triangle`, in any order, fused or not. (Ize 2013,
+/// "Robust BVH Ray Traversal", covers the rounding of the box test alone.) In units of 2^-24, with D the
 /// largest distance along an axis from the origin to the scene's far side and O the origin's largest
 /// coordinate:
 ///
@@ -26,12 +26,11 @@ namespace kerf {
 ///     the triangle's t: weights, mean        13 D     (each a difference of two products, two products more)
 ///     plane times inverse, where not fused    1 D + 1 O
 ///     origin times inverse, the constants             2 O
-///     directions lifted to the least          1/4 D
+///     directions raised to the minimum        1/4 D
 ///
-/// The triangle's t itself lies in the grown box up to its rounding, so that what is culled by t is culled
-/// rightly.
+/// Up to rounding, the triangle's t itself lies in the grown box, so that culling by t is right, too.
 struct RayBoxes {
-  /// The sums of D and of O, or more.
+  /// At least the sums of D and of O.
   static constexpr float margin_of_distance = 24.0f, margin_of_origin = 4.0f;
 
   Vec3f inverse, enter, leave;
@@ -49,10 +48,10 @@ struct RayBoxes {
       largest = std::max(largest, std::abs(d[axis]));
     }
     const float margin = unit * (margin_of_distance * distance + margin_of_origin * coordinate);
-    const float least = 0x1p-26f * largest;  // moves the ray by no more than a quarter of a unit of D
+    const float smallest = 0x1p-26f * largest;  // moves the ray by no more than a quarter of a unit of D
     float r[3], e[3], l[3];
     for (int axis = 0; axis < 3; ++axis) {
-      const float absolute = 1.0f / std::max(std::abs(d[axis]), least);
+      const float absolute = 1.0f / std::max(std::abs(d[axis]), smallest);
       r[axis] = std::copysign(absolute, d[axis]);
       const float product = o[axis] * r[axis], grown = margin * absolute;
       e[axis] = -product - grown;

@@ -35,7 +35,7 @@ struct RayShear {
   }
 };
 
-/// A triangle's corner as the ray sees it: relative to the origin, and sheared.
+/// A vertex of a triangle in the ray's frame: relative to the origin, and sheared.
 struct ShearedCorner {
   float x, y, z;
 
@@ -48,24 +48,24 @@ struct ShearedCorner {
   }
 };
 
-/// a * b - c * d to two units in the last place, however much cancels, and thus with the right sign or zero
-/// (Kahan's algorithm; Jeannerod, Louvet & Muller 2013, "Further Analysis of Kahan's Algorithm for the
-/// Accurate Computation of 2 x 2 Determinants"), where nothing leaves the range of a float.
+/// a * b - c * d with an error of at most two units in the last place, however much cancels, and thus with
+/// the right sign or zero (Kahan's algorithm; Jeannerod, Louvet & Muller 2013, "Further Analysis of Kahan's
+/// Algorithm for the Accurate Computation of 2 x 2 Determinants"). No product may leave the range of a float.
 inline float difference_of_products(float a, float b, float c, float d) {
   const float cd = c * d;
   return std::fma(a, b, -cd) + std::fma(-c, d, cd);
 }
 
-/// Where single precision is trusted: beyond these no edge function is shifted noticeably by what was lost
-/// below the range of a float, and nothing is infinite.
+/// The range in which single precision is trusted: underflow does not change an edge function noticeably, and
+/// nothing overflows.
 struct SinglePrecision {
-  static constexpr float least_sign = 0x1p-100f;  // of an edge function, for its sign
-  static constexpr float least_value = 0x1p-60f;  // for its value, too
-  static constexpr float greatest = 0x1p126f;     // of the determinant and of t
+  static constexpr float min_sign = 0x1p-100f;  // of an edge function, for its sign
+  static constexpr float min_value = 0x1p-60f;  // for its value, too
+  static constexpr float max_value = 0x1p126f;  // of the determinant and of t
 };
 
-/// `intersect_triangle` where single precision does not suffice: products of two floats are exact in double
-/// precision, so that edges and vertices which the ray meets exactly are told.
+/// `intersect_triangle` where single precision does not suffice. Products of two floats are exact in double
+/// precision, so that a ray that meets an edge or a vertex exactly is recognised.
 inline bool intersect_exactly(const ShearedCorner& a, const ShearedCorner& b, const ShearedCorner& c,
                               float dz, float t_min, float t_max, Hit& hit) {
   const double u = static_cast<double>(c.x) * b.y - static_cast<double>(c.y) * b.x;
@@ -75,36 +75,36 @@ inline bool intersect_exactly(const ShearedCorner& a, const ShearedCorner& b, co
   const double inverse = 1.0 / (u + v + w);
   const double z = u * a.z + v * b.z + w * c.z;
   const auto t = static_cast<float>(z * inverse / dz);
-  if (!(t >= t_min && t <= t_max)) return false;  // so is a triangle seen edge-on, whose determinant is 0
+  if (!(t >= t_min && t <= t_max)) return false;  // true of a triangle seen edge-on: its determinant is 0
   hit.t = t;
   hit.u = static_cast<float>(v * inverse);
   hit.v = static_cast<float>(w * inverse);
   return true;
 }
 
-/// Makes `hit` the crossing of the ray with `triangle` if that lies in `[t_min, t_max]`; only t, u and v are
+/// Makes `hit` the crossing of the ray with `triangle` if that lies in `[t_min, t_max]`. Only t, u and v are
 /// written.
 ///
-/// What is decided here is exact for the triangle as it stands after the shear, whose vertices are rounded to
-/// single precision, each in one way for all the triangles that share it: a ray that meets a closed surface
-/// hits a triangle. The weights are near exact, too, so that t is the distance of a point of the triangle
-/// that lies within the shear's rounding of the ray, however thin the triangle: t fits the boxes in which the
-/// traversal looks for the triangle (`RayBoxes` has the sum).
+/// The decision is exact for the sheared triangle. The shear rounds each vertex to single precision in the
+/// same way for all triangles that share it, so that a ray that meets a closed surface hits a triangle. The
+/// weights are nearly exact, too: however thin the triangle, t is the distance of one of its points that lies
+/// within the shear's rounding of the ray. So t fits the boxes in which traversal finds the triangle
+/// (`RayBoxes` has the sum).
 inline bool intersect_triangle(const RayShear& shear, const Vec3f& origin, const Triangle& triangle,
                                float t_min, float t_max, Hit& hit) {
   const ShearedCorner a(shear, origin, triangle.v0), b(shear, origin, triangle.v1),
       c(shear, origin, triangle.v2);
   const float u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
               w = difference_of_products(b.x, a.y, b.y, a.x);
-  const float least = std::min({u, v, w}), greatest = std::max({u, v, w});
-  if (least < -SinglePrecision::least_sign && greatest > SinglePrecision::least_sign) return false;
+  const float smallest = std::min({u, v, w}), largest = std::max({u, v, w});
+  if (smallest < -SinglePrecision::min_sign && largest > SinglePrecision::min_sign) return false;
 
   const float determinant = u + v + w;
   const float inverse = 1.0f / determinant;
   const float t = (u * a.z + v * b.z + w * c.z) * inverse * shear.inverse_dz;
-  const bool trusted = (least > SinglePrecision::least_value || greatest < -SinglePrecision::least_value) &&
-                       std::abs(determinant) < SinglePrecision::greatest &&
-                       std::abs(t) < SinglePrecision::greatest;
+  const bool trusted = (smallest > SinglePrecision::min_value || largest < -SinglePrecision::min_value) &&
+                       std::abs(determinant) < SinglePrecision::max_value &&
+                       std::abs(t) < SinglePrecision::max_value;
   if (!trusted) return intersect_exactly(a, b, c, shear.dz, t_min, t_max, hit);
   if (!(t >= t_min && t <= t_max)) return false;
   hit.t = t;

@@ -10,7 +10,7 @@
 namespace kerf {
 namespace {
 
-SurfacePoint surface_point(const Bvh::Structure& structure, const NearTriangle& near) {
+SurfacePoint surface_point(const Structure& structure, const NearTriangle& near) {
   const Triangle triangle = triangle_in(structure.wide, near.leaf, near.place);
   SurfacePoint point;
   for (int axis = 0; axis < 3; ++axis) {

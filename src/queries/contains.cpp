@@ -10,7 +10,7 @@ namespace {
 // exact arithmetic in scenes with walls along the axes.
 constexpr Vec3f oblique{0.8571f, 0.3163f, 0.4067f};
 
-bool on_surface(const Bvh::Structure& structure, const Vec3f& point) {
+bool on_surface(const Structure& structure, const Vec3f& point) {
   bool found = false;
   visit_box(structure, Box3f{point, point}, [&](std::uint32_t, const Triangle& triangle) {
     found = lies_on(point, triangle);

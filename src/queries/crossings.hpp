@@ -26,7 +26,7 @@ namespace kerf {
 /// that the ray meets, always at the same t. Whether it has been visited already, its place in the order
 /// tells: then it does not come after the last crossing visited.
 template <class Visit>
-void for_each_crossing(const Bvh::Structure& structure, Ray ray, Visit&& visit) {
+void for_each_crossing(const Structure& structure, Ray ray, Visit&& visit) {
   struct Item {
     float t;
     std::uint32_t order;  // 0 for a node, else 1 + the triangle's number: at the same t nodes come first

@@ -9,7 +9,7 @@ namespace kerf {
 /// Calls `visit(id, triangle)` for each reference of a triangle whose bounds have a point in `box`, until
 /// `visit` returns false. A triangle is visited once per reference.
 template <class Visit>
-void visit_box(const Bvh::Structure& structure, const Box3f& box, Visit&& visit) {
+void visit_box(const Structure& structure, const Box3f& box, Visit&& visit) {
   const WideBvh& bvh = structure.wide;
   if (bvh.empty()) return;
   auto visit_place = [&](ChildLink leaf, std::uint32_t place) {

@@ -1,6 +1,6 @@
 #include "tree/geometry.hpp"
 
-#include <kerf/error.hpp>
+#include "base/raise.hpp"
 
 namespace kerf {
 
@@ -11,8 +11,7 @@ Geometry::Geometry(std::span<const TriangleMesh> meshes) : meshes_(meshes) {
   for (const TriangleMesh& mesh : meshes) {
     count += mesh.triangles.size();
     if (count >= (std::size_t{1} << 31)) {
-      throw Error(Error::too_large,
-                  "the meshes have 2^31 triangles or more, which is more than kerf can number");
+      raise(Error::too_large, "the meshes have 2^31 triangles or more, which is more than kerf can number");
     }
     first_.push_back(static_cast<std::uint32_t>(count));
   }

@@ -36,8 +36,8 @@ class Geometry {
     return {vertex(vertices, a), vertex(vertices, b), vertex(vertices, c)};
   }
 
-  /// Triangles lie far apart in memory from each other, and their corners from them. Who will read some
-  /// fetches their indices first, then, when these have come, their corners.
+  /// Triangles and their vertices lie far from each other in memory. A caller that will read some triangles
+  /// fetches the indices of all first, and then, once these have arrived, the vertices of all.
   void prefetch_indices(std::uint32_t id) const {
     const auto [primitive, mesh] = locate(id);
     const auto& triangles = meshes_[mesh].triangles;

@@ -1,5 +1,5 @@
-// The convex polygon that is left of a triangle in a box, in double precision: for measuring and checking
-// trees, where areas are wanted. Builders chop in single precision and outward (math/clip.hpp).
+// The convex polygon that is the part of a triangle in a box, in double precision. It is for measuring and
+// checking trees, which needs areas. Builders chop in single precision, conservatively (math/clip.hpp).
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace kerf {
 struct Polygon {
   using Point = std::array<double, 3>;
 
-  // A triangle cut by six planes has nine corners. Cutting anew what rounding left beside a plane can double
-  // a few; where room ends, a further one is as near to its neighbour as rounding and may be left out.
+  // A triangle cut by six planes has up to nine vertices. Cutting again what rounding left beside a plane can
+  // double a few. Vertices beyond the capacity are within rounding of their neighbours and may be left out.
   static constexpr std::size_t capacity = 24;
 
   std::array<Point, capacity> points;
@@ -32,14 +32,14 @@ struct Polygon {
   }
 
   double lower(int axis) const {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < count; ++i) least = std::min(least, at(i, axis));
-    return least;
+    double smallest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < count; ++i) smallest = std::min(smallest, at(i, axis));
+    return smallest;
   }
   double upper(int axis) const {
-    double most = -std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < count; ++i) most = std::max(most, at(i, axis));
-    return most;
+    double largest = -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, at(i, axis));
+    return largest;
   }
 
   double area() const {

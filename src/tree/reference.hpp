@@ -1,4 +1,4 @@
-// What builders sort: a part of a triangle, by its box.
+// References: what builders sort.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 namespace kerf {
 
-/// A triangle, or the part of it that a spatial split left here, and a box around that part. Half a cache
-/// line: the halves are loaded as vectors of four, so the number stands where the fourth component of the
-/// lower corner would.
+/// A triangle, or a part of it that spatial splits made, and the box of that part. Takes half a cache line.
+/// Both halves are loaded as vectors of four floats, so that the number stands in the fourth lane of the
+/// lower corner.
 struct alignas(16) Reference {
   Vec3f lower;
   std::uint32_t primitive = 0;  ///< the triangle's number in the `Geometry`

@@ -14,7 +14,7 @@ class Validator {
   Validator(const BinaryTree& tree, const Geometry& geometry, std::size_t max_findings)
       : tree_(tree), geometry_(geometry), max_findings_(max_findings) {}
 
-  // Walks from the root by the links alone. False if what follows could not rely on them.
+  // Walks from the root along the links. False if further checks cannot rely on them.
   bool check_nodes(std::size_t max_depth, std::size_t max_leaf_size) {
     std::vector<std::uint8_t> seen(tree_.nodes.size()), referenced(tree_.references.size());
     struct Entry {
@@ -108,7 +108,7 @@ class Validator {
     if (std::adjacent_find(ids.begin(), ids.end()) != ids.end()) report(index, "names a triangle twice");
   }
 
-  // Takes the boxes away from the triangle, one after the other, and looks at what is left.
+  // Subtracts one box after another from the triangle and looks at the rest.
   bool is_covered(const Triangle& triangle, const std::vector<std::uint32_t>& leaves) const {
     std::vector<Polygon> rest{Polygon(triangle)};
     for (const std::uint32_t leaf : leaves) {
@@ -123,8 +123,8 @@ class Validator {
   static void subtract(Polygon polygon, const Box3f& box, std::vector<Polygon>& outside) {
     for (int axis = 0; axis < 3; ++axis) {
       for (const auto& [position, sign] : {std::pair{box.lower[axis], -1.0}, {box.upper[axis], 1.0}}) {
-        const double most = sign > 0.0 ? polygon.upper(axis) : -polygon.lower(axis);
-        if (!(most > sign * position)) continue;
+        const double farthest = sign > 0.0 ? polygon.upper(axis) : -polygon.lower(axis);
+        if (!(farthest > sign * position)) continue;
         Polygon part = clip(polygon, axis, position, -sign);
         if (part.area() > 0.0) outside.push_back(part);
         polygon = clip(polygon, axis, position, sign);
@@ -133,8 +133,8 @@ class Validator {
     }
   }
 
-  // A strip along the longest edge, 2^-40 of the largest coordinate wide: far above what this test's own
-  // rounding in double precision leaves, far below what a builder's in single precision could lose.
+  // The area of a strip along the longest edge, 2^-40 of the largest coordinate wide. That is far above the
+  // rounding of this test in double precision, and far below what a builder in single precision could lose.
   static double hole_area(const Triangle& t) {
     double largest = 0.0, longest = 0.0;
     for (const Vec3f& v : {t.v0, t.v1, t.v2}) {

@@ -1,10 +1,12 @@
-// Callers set their threads as they like: denormals flushed, as Embree's manual asks, or another rounding.
+// Callers may use other floating-point modes: flushed denormals, as Embree's manual asks, or directed
+// rounding.
 #include <cfenv>
 #include <functional>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <kerf/inspect.hpp>
 #include <kerf/kerf.hpp>
 
 #include "support/adversarial.hpp"
@@ -21,7 +23,7 @@
 namespace kerf {
 namespace {
 
-// Calls `work` with this thread's floating point set to a mode; gives what else there is besides.
+// A floating-point mode other than the default. `run` calls `work` in it, and expects that `work` leaves it.
 class Mode {
  public:
   static std::vector<Mode> all() {
@@ -50,7 +52,7 @@ class Mode {
 #endif
     work();
 #if defined(__SSE2__)
-    constexpr unsigned flags = 0x3f;  // what has happened, which any arithmetic sets
+    constexpr unsigned flags = 0x3f;  // the exceptions so far, which any arithmetic sets
     const unsigned left = _mm_getcsr();
 #endif
     const int rounding = std::fegetround();
@@ -76,12 +78,12 @@ std::string file_of(const Bvh& bvh) {
   return read_bytes(directory / "scene.kerf");
 }
 
-TEST(FloatingPoint, BuildsAreTheSameWhateverTheCallersThreadIsSetTo) {
+TEST(FpEnvironment, BuildsAreTheSameWhateverTheCallersThreadIsSetTo) {
   const workbench::Solid solid = workbench::make_torus(96, 48);
-  for (const Builder builder : {Builder::sbvh, Builder::bvh, Builder::esc, Builder::evh}) {
+  for (const BuilderInfo& info : builders()) {
     for (const unsigned threads : {1u, 2u}) {
       BuildOptions options;
-      options.builder = builder;
+      options.builder = info.builder;
       options.threads = threads;
       const std::string expected = file_of(build(solid.mesh(), options));
       for (const Mode& mode : Mode::all()) {
@@ -93,7 +95,7 @@ TEST(FloatingPoint, BuildsAreTheSameWhateverTheCallersThreadIsSetTo) {
   }
 }
 
-TEST(FloatingPoint, QueriesAndSpansAnswerTheSameWhateverTheCallersThreadIsSetTo) {
+TEST(FpEnvironment, QueriesAndSpansAnswerTheSameWhateverTheCallersThreadIsSetTo) {
   std::mt19937 random(1);
   const adversarial::Soup soup = adversarial::soup(300, [&] { return adversarial::grid_point(random, 3); });
   const Bvh bvh = build(soup.mesh(), spatial_splits_everywhere());
@@ -138,7 +140,7 @@ TEST(FloatingPoint, QueriesAndSpansAnswerTheSameWhateverTheCallersThreadIsSetTo)
 }
 
 #if defined(__SSE2__)
-TEST(FloatingPoint, SingleRaysAreAsWatertightWhereDenormalsAreFlushed) {
+TEST(FpEnvironment, SingleRaysAreAsWatertightWhereDenormalsAreFlushed) {
   for (const workbench::NamedSolid& named : workbench::make_watertight_solids()) {
     const Bvh bvh = build(named.solid.mesh(), spatial_splits_everywhere());
     Mode::flushing().run([&] {

@@ -1,9 +1,9 @@
-// Meshes that nobody means to give: each builds with every builder, and all of them then give the same
-// answers.
+// Degenerate and extreme meshes: every builder builds them, and all hierarchies give the same answers.
 #include <numeric>
 #include <random>
 
 #include <gtest/gtest.h>
+#include <kerf/inspect.hpp>
 
 #include "support/adversarial.hpp"
 #include "support/brute_force.hpp"
@@ -79,10 +79,10 @@ TEST(HostileMeshes, EveryBuilderGivesTheSameAnswers) {
   for (const auto& [name, mesh] : hostile_meshes()) {
     SCOPED_TRACE(name);
     std::vector<Bvh> hierarchies;
-    for (const Builder builder : {Builder::bvh, Builder::sbvh, Builder::esc, Builder::evh}) {
+    for (const BuilderInfo& info : builders()) {
       BuildOptions options;
-      options.builder = builder;
-      if (builder == Builder::sbvh) options.alpha = 0.0f;
+      options.builder = info.builder;
+      if (info.builder == Builder::sbvh) options.alpha = 0.0f;
       hierarchies.push_back(build(mesh.mesh(), options));
     }
     const BvhStatistics& statistics = hierarchies[0].statistics();
@@ -110,7 +110,7 @@ TEST(HostileMeshes, EveryBuilderGivesTheSameAnswers) {
   }
 }
 
-// Distances along such rays overflow, and boxes are then met that no ray meets: those of unused slots, too.
+// Distances along such rays overflow. They may then meet boxes that no ray meets, those of unused slots too.
 TEST(HostileMeshes, OfOrdersOfMagnitudeApartOnlyTrianglesAreHit) {
   std::mt19937 random(5);
   const auto wild = [&] {
@@ -142,7 +142,7 @@ TEST(HostileMeshes, OfOrdersOfMagnitudeApartOnlyTrianglesAreHit) {
   EXPECT_GT(hits, 100u);
 }
 
-// One face lies nearly in a line: by less than double precision sees, but without it the solid has a hole.
+// One face is degenerate as far as double precision can tell, but without it the solid has a hole.
 TEST(HostileMeshes, ASolidKeepsTheThinnestOfItsFaces) {
   std::mt19937 random(6);
   for (const float shift : {1e-8f, 1e-18f, 1e-45f}) {

@@ -64,7 +64,7 @@ TEST(KerfFile, LoadedAndMappedAnswerAsSaved) {
   }
 }
 
-// Where the margins of the boxes count: far from the origin, with rays at vertices and edges.
+// Margins of boxes matter far from the origin, for rays at vertices and edges.
 TEST(KerfFile, ALoadedHierarchyIsAsWatertightAsTheSavedOne) {
   const TemporaryDirectory directory;
   for (const auto& [name, solid] : workbench::make_watertight_solids()) {
@@ -100,7 +100,7 @@ TEST(KerfFile, AMappedFileMayBeReplacedWhileItIsUsed) {
 }
 
 TEST(KerfFile, TheSameBytesForAnyNumberOfThreadsAndOnEveryRun) {
-  // Of its own accord oneTBB has no more threads than the machine has cores.
+  // Without this, oneTBB has at most as many threads as the machine has cores.
   const tbb::global_control eight_threads(tbb::global_control::max_allowed_parallelism, 8);
   const workbench::Solid solid = workbench::make_torus(192, 96);
   std::string first;
@@ -226,8 +226,7 @@ TEST(KerfFile, EveryTruncationAndEveryChangedByteIsRefused) {
   }
 }
 
-// Shows `file` with its checksums set right again, as whoever forges one can do: it is refused, which is
-// counted, or it answers.
+// Signs `file` again, as a forger can. It must be refused, which is counted, or answer.
 void present_forged(std::string file, std::size_t& refused) {
   forged::sign(std::as_writable_bytes(std::span(file)));
   try {
@@ -274,7 +273,7 @@ TEST(KerfFile, EveryForgedByteOfASmallFileIsRefusedOrAnswers) {
   EXPECT_EQ(refused, file.size());
 }
 
-// A header's reserved bytes are zeros, whatever its checksum says.
+// The reserved bytes of a header must be zeros, even if the checksum is right.
 TEST(KerfFile, SomethingWhereAZeroBelongsIsRefused) {
   const std::string file = saved(build(workbench::make_sphere(0).mesh()));
   for (std::size_t i = offsetof(FileHeader, zero); i < offsetof(FileHeader, bounds); ++i) {
@@ -307,8 +306,8 @@ TEST(KerfFile, LinksThatLeadAstrayAreRefused) {
             "a node whose visiting order does not name each child once (0)");
 }
 
-// Large enough to be read and checked in many parts at once.
-TEST(KerfFile, OfALargeFileTheFirstThatIsWrongIsNamedWhoeverSawItFirst) {
+// The file is large enough to be read and checked by several threads.
+TEST(KerfFile, OfALargeFileTheFirstWrongNodeIsNamedWhicheverThreadFindsOneFirst) {
   const Bvh bvh = build(workbench::make_torus(256, 192).mesh());
   const TemporaryDirectory directory;
   bvh.save(directory / "large.kerf");

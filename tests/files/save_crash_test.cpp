@@ -10,7 +10,7 @@
 #include "support/temporary_directory.hpp"
 #include "workbench/generate/solids.hpp"
 
-TEST(KerfFile, KillingTheProcessLeavesTheOldFileOrTheNewOne) {
+TEST(SaveCrash, KillingTheProcessLeavesTheOldFileOrTheNewOne) {
   const TemporaryDirectory directory;
   const auto path = directory / "scene.kerf";
   const kerf::Bvh first = kerf::build(workbench::make_sphere(4).mesh());

@@ -20,7 +20,7 @@ using kerf::CollapseCosts;
 
 BinaryTree tree_of(const kerf_tests::Mesh& mesh) {
   const kerf::TriangleMesh view = mesh.mesh();
-  return kerf::build_tree(kerf::Geometry(std::span(&view, 1)), {.threads = 1});
+  return kerf::construct(kerf::Geometry(std::span(&view, 1)), {.threads = 1});
 }
 
 std::uint32_t references_below(const BinaryTree& tree, std::uint32_t node) {
@@ -118,7 +118,7 @@ TEST(Collapse, NoTriangleStandsTwiceBelowANodeOfFewerReferencesThanTheLeastDivid
     mesh.vertices.insert(mesh.vertices.end(), {large.vertices[a], large.vertices[b], large.vertices[c]});
   }
   const BinaryTree tree = tree_of(mesh);
-  ASSERT_GT(tree.least_divided, 8u);
+  ASSERT_GT(tree.min_divided_count, 8u);
   ASSERT_GT(tree.references.size(), mesh.triangles.size()) << "nothing was divided";
   for (const kerf::BinaryNode& root : tree.nodes) {
     std::vector<std::uint32_t> ids;
@@ -132,7 +132,7 @@ TEST(Collapse, NoTriangleStandsTwiceBelowANodeOfFewerReferencesThanTheLeastDivid
       }
     };
     gather(gather, root);
-    if (ids.size() >= tree.least_divided) continue;
+    if (ids.size() >= tree.min_divided_count) continue;
     std::sort(ids.begin(), ids.end());
     EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
   }

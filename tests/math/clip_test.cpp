@@ -23,7 +23,8 @@ bool holds(const Box3f& box, const double (&p)[3], double scale) {
 
 class Chop : public testing::Test {
  protected:
-  // Chops random triangles, stretched by `stretch`, again and again, and looks where points of theirs went.
+  // Chops random triangles, stretched by `stretch`, again and again. Every point must lie in one of the
+  // boxes.
   void expect_no_point_lost(float size, Vec3f stretch, Vec3f offset) {
     std::mt19937 random(7);
     const auto uniform = [&random] { return static_cast<float>(random() >> 8) / 16777216.0f; };

@@ -7,14 +7,14 @@
 
 namespace {
 
-// Products of two floats are exact in double precision; their difference is rounded once.
+// Products of two floats are exact in double precision. Their difference is rounded once.
 double exact(float a, float b, float c, float d) {
   return static_cast<double>(a) * b - static_cast<double>(c) * d;
 }
 
 }  // namespace
 
-TEST(EdgeFunction, HasTheExactSignAndTwoUnitsOfErrorHoweverMuchCancels) {
+TEST(RayTriangle, HasTheExactSignAndTwoUnitsOfErrorHoweverMuchCancels) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
   std::uniform_int_distribution<int> few(-3, 3);
@@ -29,7 +29,7 @@ TEST(EdgeFunction, HasTheExactSignAndTwoUnitsOfErrorHoweverMuchCancels) {
   }
 }
 
-TEST(EdgeFunction, IsZeroWhereTheProductsAreEqual) {
+TEST(RayTriangle, IsZeroWhereTheProductsAreEqual) {
   EXPECT_EQ(kerf::difference_of_products(3.0f, 0.7f, 0.7f, 3.0f), 0.0f);
   EXPECT_EQ(kerf::difference_of_products(0x1.8p0f, 0x1.555556p0f, 0x1.8p1f, 0x1.555556p-1f), 0.0f);
 }

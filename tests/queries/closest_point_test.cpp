@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <gtest/gtest.h>
+#include <kerf/inspect.hpp>
 
 #include "structure.hpp"
 #include "support/adversarial.hpp"
@@ -55,8 +56,7 @@ void expect_closest(std::mt19937& random, const Soup& sizeless, const World& wor
     // The limit is included, and nothing lies below it.
     EXPECT_TRUE(hierarchies.front().closest_point(p, std::nextafter(found->distance, 1e38f)).has_value());
     EXPECT_FALSE(hierarchies.front().closest_point(p, std::nextafter(found->distance, 0.0f)).has_value());
-    for (const Bvh& bvh : hierarchies)
-      ASSERT_EQ(bvh.closest_point(p), found) << bvh.structure().kernels->target;
+    for (const Bvh& bvh : hierarchies) ASSERT_EQ(bvh.closest_point(p), found) << instruction_set(bvh);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <kerf/inspect.hpp>
 #include <kerf/kerf.hpp>
 
 #include "resources/counted_memory.hpp"
@@ -46,9 +47,9 @@ struct Scene {
 
 TEST(Resources, ABuildSurvivesTheFailureOfAnyAllocation) {
   const Scene scene;
-  for (const Builder builder : {Builder::sbvh, Builder::bvh, Builder::esc, Builder::evh}) {
+  for (const BuilderInfo& info : builders()) {
     BuildOptions options = spatial_splits_everywhere();
-    options.builder = builder;
+    options.builder = info.builder;
     options.threads = 1;
     EXPECT_GT(fail_each_allocation([&] { (void)build(scene.meshes, options); }), 3);
   }

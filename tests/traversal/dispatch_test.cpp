@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <kerf/inspect.hpp>
 #include <kerf/kerf.hpp>
 
 #include "structure.hpp"
@@ -17,7 +18,7 @@ namespace {
 // The instruction set that `name` makes a hierarchy use.
 std::string target_for(const char* name, const kerf::TriangleMesh& mesh) {
   const kerf_tests::ChosenTarget chosen(name);
-  return kerf::build(mesh).structure().kernels->target;
+  return std::string(kerf::instruction_set(kerf::build(mesh)));
 }
 
 }  // namespace

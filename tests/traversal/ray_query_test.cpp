@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 #include <kerf/counters.hpp>
+#include <kerf/inspect.hpp>
 #include <kerf/kerf.hpp>
 
 #include "layout/wide_bvh.hpp"
-#include "stages.hpp"
 #include "support/random_scenes.hpp"
 #include "support/targets.hpp"
 #include "traversal/dispatch.hpp"
@@ -84,8 +84,8 @@ TEST(RayQuery, CountingChangesNoHit) {
   kerf::TraversalCounters counters;
   for (int i = 0; i < 1000; ++i) {
     const kerf::Ray ray{.origin = random_point(random), .direction = random_point(random)};
-    ASSERT_EQ(kerf::intersect_counted(bvh, ray, counters), bvh.intersect(ray));
-    ASSERT_EQ(kerf::occluded_counted(bvh, ray, counters), bvh.occluded(ray));
+    ASSERT_EQ(kerf::intersect(bvh, ray, counters), bvh.intersect(ray));
+    ASSERT_EQ(kerf::occluded(bvh, ray, counters), bvh.occluded(ray));
   }
   EXPECT_GT(counters.steps, 2000u);
   EXPECT_GE(counters.triangle_tests, counters.leaves);

@@ -35,7 +35,7 @@ class Validate : public testing::Test {
   Hills hills;
   TriangleMesh mesh = hills.mesh();
   Geometry geometry{{&mesh, 1}};
-  BinaryTree tree = build_tree(geometry, {});
+  BinaryTree tree = construct(geometry, {});
 
   BinaryNode& first_leaf() {
     return *std::find_if(tree.nodes.begin(), tree.nodes.end(),

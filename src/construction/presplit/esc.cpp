@@ -1,4 +1,5 @@
-#include "construction/presplit/presplit.hpp"
+#include "construction/presplit/esc.hpp"
+
 #include "construction/presplit/threshold.hpp"
 #include "math/clip.hpp"
 
@@ -8,21 +9,21 @@ namespace {
 struct AreaRule {
   const Geometry& geometry;
 
-  struct Part {
+  struct TrianglePart {
     Box3f box;
     std::uint32_t primitive = 0;
   };
 
-  Part whole(const Reference& reference) const { return {reference.bounds(), reference.primitive}; }
+  TrianglePart whole(const Reference& reference) const { return {reference.bounds(), reference.primitive}; }
 
-  double size(const Part& part) const {
+  double size(const TrianglePart& part) const {
     const double x = double{part.box.upper.x} - part.box.lower.x;
     const double y = double{part.box.upper.y} - part.box.lower.y;
     const double z = double{part.box.upper.z} - part.box.lower.z;
     return 2.0 * (x * (y + z) + y * z);
   }
 
-  bool cut(const Part& part, Part& left, Part& right) const {
+  bool cut(const TrianglePart& part, TrianglePart& left, TrianglePart& right) const {
     const Vec3f size = extent(part.box);
     const int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
     const float plane = 0.5f * part.box.lower[axis] + 0.5f * part.box.upper[axis];
@@ -34,14 +35,18 @@ struct AreaRule {
     return true;
   }
 
-  Box3f bounds(const Part& part) const { return part.box; }
+  Box3f bounds(const TrianglePart& part) const { return part.box; }
 };
 
 }  // namespace
 
 std::vector<Reference> split_by_area(const Geometry& geometry, std::vector<Reference> references,
                                      std::size_t limit) {
-  return split_before_build(AreaRule{geometry}, std::move(references), limit);
+  return split_above_threshold(AreaRule{geometry}, std::move(references), limit);
+}
+
+BinaryTree construct_esc(const Geometry& geometry, const BuildOptions& options) {
+  return construct_presplit(geometry, options, split_by_area);
 }
 
 }  // namespace kerf

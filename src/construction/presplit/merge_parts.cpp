@@ -1,6 +1,7 @@
-#include <algorithm>
+#include "construction/presplit/merge_parts.hpp"
 
-#include "construction/presplit/presplit.hpp"
+#include <algorithm>
+#include <utility>
 
 namespace kerf {
 

@@ -1,5 +1,5 @@
-// What both ways of splitting before the build share: cutting while a size is above a threshold, and the
-// threshold.
+// What both ways of splitting before the build share: parts are cut while their size is above a threshold,
+// and the threshold is found by bisection.
 #pragma once
 
 #include <atomic>
@@ -17,31 +17,32 @@ namespace kerf {
 
 // A `Rule` says what is cut, and where:
 //
-//   Part whole(const Reference&) const     a triangle as it is given
-//   double size(const Part&) const         what is compared with the threshold
-//   bool cut(const Part&, Part&, Part&)    the two halves; false if rounding leaves nothing between them
-//   Box3f bounds(const Part&) const        what becomes a reference
+//   TrianglePart whole(const Reference&) const    a triangle as it is given
+//   double size(const TrianglePart&) const        what is compared with the threshold
+//   bool cut(const TrianglePart&, TrianglePart& left, TrianglePart& right) const
+//                                                 false if rounding leaves nothing between the two halves
+//   Box3f bounds(const TrianglePart&) const       the box of its reference
 
-/// No part comes from more cuts than this, one within the other. As many make parts of a 2^64th on average,
-/// many more than there may be references; but where parts are as small as rounding, cutting one edge of a
-/// triangle can lengthen another, and would never end.
-constexpr int most_cuts = 64;
+/// A part comes from at most this many nested cuts. Where parts are as small as rounding, cutting one edge of
+/// a triangle can lengthen another, so that cutting would never end. 2^64 parts are many more than there may
+/// be references, so that the limit takes effect there alone.
+constexpr int max_cuts = 64;
 
-/// Visits the parts of `part` that a threshold leaves, until `visit` returns false; returns whether it never
+/// Visits the parts into which a threshold cuts `part`, until `visit` returns false. Returns true if it never
 /// did.
-template <class Rule, class Part, class Visit>
-bool visit_parts(const Rule& rule, const Part& part, double threshold, Visit& visit, int cuts = 0) {
-  Part left, right;
-  if (cuts == most_cuts || !(rule.size(part) > threshold) || !rule.cut(part, left, right)) return visit(part);
+template <class Rule, class TrianglePart, class Visit>
+bool visit_parts(const Rule& rule, const TrianglePart& part, double threshold, Visit& visit, int cuts = 0) {
+  TrianglePart left, right;
+  if (cuts == max_cuts || !(rule.size(part) > threshold) || !rule.cut(part, left, right)) return visit(part);
   return visit_parts(rule, left, threshold, visit, cuts + 1) &&
          visit_parts(rule, right, threshold, visit, cuts + 1);
 }
 
-/// Whether no more than `limit` parts are left of all references. Gives up counting as soon as there are
+/// Whether all references together are cut into at most `limit` parts. Stops counting as soon as there are
 /// more.
 template <class Rule>
 bool fits(const Rule& rule, const std::vector<Reference>& references, double threshold, std::size_t limit) {
-  std::atomic<std::size_t> total{references.size()};  // what is above one a reference is added
+  std::atomic<std::size_t> total{references.size()};  // the first part of each; others are added
   parallel_for_ranges(std::size_t{0}, references.size(), 64, [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       std::size_t count = 0;
@@ -54,10 +55,9 @@ bool fits(const Rule& rule, const std::vector<Reference>& references, double thr
   return total <= limit;
 }
 
-/// The smallest threshold under which there are at most `limit` parts, by bisection: the fewer the smaller
-/// the threshold, since the cuts under a larger one are among those under a smaller. Of doubles that are not
-/// negative the bits are in the same order, so that halving the range of bits takes as many steps as there
-/// are bits.
+/// The smallest threshold under which there are at most `limit` parts, by bisection. A smaller threshold
+/// never makes fewer parts: all cuts under the larger one are made under the smaller one as well. Doubles
+/// that are not negative are ordered as their bits are, so that bisecting the bits takes one step per bit.
 template <class Rule>
 double find_threshold(const Rule& rule, const std::vector<Reference>& references, std::size_t limit) {
   constexpr std::uint64_t infinity = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
@@ -75,9 +75,11 @@ double find_threshold(const Rule& rule, const std::vector<Reference>& references
   return std::bit_cast<double>(above * step);
 }
 
+/// One reference for each part that the smallest such threshold makes; the references as they are if there is
+/// no room for more.
 template <class Rule>
-std::vector<Reference> split_before_build(const Rule& rule, std::vector<Reference> references,
-                                          std::size_t limit) {
+std::vector<Reference> split_above_threshold(const Rule& rule, std::vector<Reference> references,
+                                             std::size_t limit) {
   if (limit <= references.size()) return references;
   const double threshold = find_threshold(rule, references, limit);
   std::vector<Reference> parts;

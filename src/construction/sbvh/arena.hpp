@@ -8,8 +8,8 @@
 
 namespace kerf {
 
-/// The references of a node stand in the arena from `begin` to `end`; from there to `limit` is room for those
-/// that spatial splits below the node may make.
+/// The references of a node stand in the arena from `begin` to `end`. From there to `limit` is room for those
+/// that spatial splits below the node make.
 ///
 ///     |<------ count ------>|<- slack ->|
 ///     begin               end         limit
@@ -26,8 +26,8 @@ struct RangePair {
 };
 
 /// Children share their parent's slack in proportion to their references (Fuetterling et al. 2016). On entry
-/// the left child's references stand first and the right one's follow at once; the latter move up to make
-/// room. Since their order means nothing, only as many move as there is room to make.
+/// the references of the right child follow those of the left directly; they move up to make room. Their
+/// order means nothing, so that only as many move as there is room to make.
 inline RangePair hand_down(Reference* arena, const Range& parent, std::uint32_t left_count,
                            std::uint32_t right_count) {
   const auto slack = static_cast<std::uint64_t>(parent.capacity() - left_count - right_count);

@@ -22,8 +22,8 @@ namespace HWY_NAMESPACE {
 constexpr int max_bin_count = 32;
 
 // A bin's number of references stands in the unused fourth lane of its box, so that both are one load and one
-// store. To be left alone by the minimum that merges boxes it is a positive float: the least normal one
-// stands for 0, the next for 1. (Denormal ones are slow on some machines.)
+// store. It is encoded as a positive float, so that the minimum that merges boxes leaves it alone: the
+// smallest normal float stands for 0, the next for 1. (Denormals are slow on some machines.)
 constexpr std::int32_t no_references = 0x00800000;
 
 // Two bins, for as long as vectors may be.
@@ -75,13 +75,13 @@ HWY_INLINE void add(Bins& bins, const Bins& other, int bin_count) {
   }
 }
 
-// 2^18 plus a bin's number is a float whose lowest 16 bits are the bin's distance in bytes from the first: a
-// unit of its last place is 2^-5.
+// The lowest 16 bits of the float 2^18 + i are the distance in bytes from the first bin to bin i: a unit in
+// the last place is 2^-5.
 constexpr float bin_magic = 262144.0f;
 static_assert(sizeof(Bins::boxes[0][0]) == 1 << 5);
 
-// Adds a box, which `counted_once` has prepared, to the bins of these numbers with `bin_magic` added, one an
-// axis.
+// Adds a box, which `counted_once` has prepared, to one bin per axis. `places` are the bins' numbers with
+// `bin_magic` added.
 HWY_INLINE void add(Bins& bins, const float* places, const SimdBox& box) {
   for (int axis = 0; axis < 3; ++axis) {
     std::uint32_t bits;
@@ -92,8 +92,8 @@ HWY_INLINE void add(Bins& bins, const float* places, const SimdBox& box) {
   }
 }
 
-// Bins are found so many references ahead of the one that is added: their numbers pass from vectors to
-// addresses through memory, and an addition that waits for the one before leaves time to find others.
+// Bins are found this many references ahead of the addition. Their numbers pass from vectors to addresses
+// through memory, and while an addition waits for the one before, others can be found.
 constexpr std::uint32_t binning_lead = 8;
 
 // Calls `find(i, slot)` and, later, `add(i, slot)` for each i of `0 .. count - 1`; slots are below
@@ -109,7 +109,7 @@ HWY_INLINE void bin_ahead(std::uint32_t count, const Find& find, const Add& add)
   for (std::uint32_t i = count - lead; i < count; ++i) add(i, i % binning_lead);
 }
 
-// From coordinates to bins on three axes; an axis too short to be parted has scale 0.
+// From coordinates to bins on three axes. The scale of an axis that is too short to be divided is 0.
 struct BinMapping {
   alignas(16) float origin[4];
   alignas(16) float scale[4];

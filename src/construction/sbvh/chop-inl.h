@@ -20,7 +20,7 @@ HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 
-// As `chop` in math/clip.hpp, whose comments explain it; but the three edges are treated alike, without a
+// As `chop` in math/clip.hpp, whose comments explain it. Here the three edges are treated alike, without a
 // branch.
 HWY_NOINLINE ChildBoxes chop(const Geometry& geometry, const Reference& reference, int axis, float plane) {
   const auto [primitive, mesh] = geometry.locate(reference.primitive);

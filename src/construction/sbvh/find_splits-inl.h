@@ -1,4 +1,4 @@
-// The best object split of a node, and the best spatial one where that may be worth it.
+// The best object split of a node, and the best spatial split where one may be worth it.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_FIND_SPLITS_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -25,11 +25,11 @@ namespace {
 
 // Whether a spatial split is possible at all.
 bool may_split_space(const BuildContext& context, const Range& range) {
-  return context.geometry != nullptr && range.slack() != 0 && range.count() >= context.spatial_minimum;
+  return context.geometry != nullptr && range.slack() != 0 && range.count() >= context.min_spatial_count;
 }
 
-// Stich et al. 2009, section 4.5: where the children of the best object split hardly overlap, there is little
-// for a spatial split to win.
+// Stich et al. 2009, section 4.5: where the children of the best object split hardly overlap, a spatial split
+// can gain little.
 bool overlap_calls_for_spatial_split(const BuildContext& context, const ChildBoxes& children, float area) {
   const SimdBox overlap = intersect(children.left, children.right);
   if (is_empty(overlap)) return false;
@@ -37,26 +37,26 @@ bool overlap_calls_for_spatial_split(const BuildContext& context, const ChildBox
   return overlap_area > context.absolute_overlap && overlap_area >= context.relative_overlap * area;
 }
 
-// Nodes of at least twice as many references are binned in parts by several threads; how many parts does not
-// matter to what is in the bins.
-constexpr std::uint32_t binning_part = 8192;
-constexpr std::uint32_t most_binning_parts = 8;
+// Nodes of at least twice as many references are binned by several threads, in blocks of about this size. The
+// bins are the same for any number of blocks.
+constexpr std::uint32_t binning_block = 8192;
+constexpr std::uint32_t max_binning_blocks = 8;
 
-HWY_NOINLINE void fill_in_parts(Bins& object_bins, const BinMapping& object_mapping, int bin_count,
-                                SpatialBins& spatial_bins, const BinMapping& spatial_mapping,
-                                const Reference* references, std::uint32_t count) {
-  struct Part {
+HWY_NOINLINE void fill_in_blocks(Bins& object_bins, const BinMapping& object_mapping, int bin_count,
+                                 SpatialBins& spatial_bins, const BinMapping& spatial_mapping,
+                                 const Reference* references, std::uint32_t count) {
+  struct BlockBins {
     Bins object;
     SpatialBins spatial;
   };
-  Part others[most_binning_parts - 1];
-  const std::uint32_t parts = HWY_MIN(count / binning_part, most_binning_parts), size = count / parts;
-  parallel_for(parts, [&](std::uint32_t i) {
+  BlockBins others[max_binning_blocks - 1];  // the first block goes straight to where all are added up
+  const std::uint32_t blocks = HWY_MIN(count / binning_block, max_binning_blocks), size = count / blocks;
+  parallel_for(blocks, [&](std::uint32_t i) {
     fill(i == 0 ? object_bins : others[i - 1].object, object_mapping, bin_count,
          i == 0 ? spatial_bins : others[i - 1].spatial, spatial_mapping, references + i * size,
-         i + 1 == parts ? count - i * size : size);
+         i + 1 == blocks ? count - i * size : size);
   });
-  for (std::uint32_t i = 1; i < parts; ++i) {
+  for (std::uint32_t i = 1; i < blocks; ++i) {
     add(object_bins, others[i - 1].object, bin_count);
     add(spatial_bins.begins, others[i - 1].spatial.begins, spatial_bin_count);
     add(spatial_bins.ends, others[i - 1].spatial.ends, spatial_bin_count);
@@ -90,8 +90,8 @@ HWY_NOINLINE Splits find_splits(const BuildContext& context, const NodeInput& no
     const int bin_count = count <= few_references ? few_object_bin_count : object_bin_count;
     const BinMapping mapping(node.doubled_centroids, bin_count);
     Bins bins;
-    if (try_space && count >= 2 * binning_part) {
-      fill_in_parts(bins, mapping, bin_count, spatial_bins, spatial_mapping, references, count);
+    if (try_space && count >= 2 * binning_block) {
+      fill_in_blocks(bins, mapping, bin_count, spatial_bins, spatial_mapping, references, count);
     } else if (try_space) {
       fill(bins, mapping, bin_count, spatial_bins, spatial_mapping, references, count);
     } else {

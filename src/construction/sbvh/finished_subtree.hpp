@@ -1,4 +1,4 @@
-// Where a finished subtree waits until the tree is put together.
+// Where a finished subtree is kept until the tree is assembled.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +13,10 @@
 
 namespace kerf {
 
-/// Nodes and then references, stored in the places of the references that they were built from; what does not
-/// fit there has memory of its own.
+/// Nodes and then references. They overwrite the references that they were built from; what does not fit
+/// there has memory of its own.
 ///
-///     in the arena    | node | node | node | node |        as many as places
+///     in the arena    | node | node | node | node |        one per place
 ///     spilled         | node | node | references |
 class FinishedSubtree {
   static_assert(sizeof(BinaryNode) == sizeof(Reference), "a node is never cut");

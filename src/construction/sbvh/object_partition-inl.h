@@ -21,7 +21,7 @@ HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 
-// Which side references go to, and what each side encloses.
+// Decides which side references go to, and collects the boxes of each side.
 struct Sides {
   ChildBoxes boxes;
   ChildBoxes centroids;
@@ -38,8 +38,8 @@ struct Sides {
   }
 };
 
-// Few references: those that go right wait in a buffer. Without a branch: each is written to both sides, and
-// the one where it belongs moves on.
+// For few references: those that go right wait in a buffer. There is no branch: each reference is written to
+// both sides, and only the side where it belongs advances.
 constexpr std::uint32_t buffered_limit = 256;
 
 HWY_INLINE std::uint32_t partition_buffered(Reference* references, std::uint32_t count,
@@ -58,8 +58,8 @@ HWY_INLINE std::uint32_t partition_buffered(Reference* references, std::uint32_t
   return left_count;
 }
 
-// Many references: those on the wrong side are listed, a block from either end at a time, and exchanged in
-// pairs (Edelkamp & Weiss 2016, "BlockQuicksort").
+// For many references: those on the wrong side are listed, one block from either end at a time, and exchanged
+// in pairs (Edelkamp & Weiss 2016, "BlockQuicksort").
 HWY_INLINE std::uint32_t partition_in_blocks(Reference* references, std::uint32_t count,
                                              const ObjectSplit& split, Sides& sides) {
   constexpr std::uint32_t block = 128;
@@ -90,12 +90,12 @@ HWY_INLINE std::uint32_t partition_in_blocks(Reference* references, std::uint32_
     if (left_first == left_last) begin += block;
     if (right_first == right_last) end -= block;
   }
-  // At most one of the two blocks was left half done: whom it still lists must not be counted twice, which a
-  // minimum does not mind.
+  // At most one of the two blocks is left half done. Its references are added to the boxes a second time,
+  // which changes no minimum.
   return begin + partition_buffered(references + begin, end - begin, split, sides);
 }
 
-// Reorders in place: those that go left come first.
+// Reorders in place: references that go left come first.
 struct Partition {
   std::uint32_t left_count;
   ChildBoxes boxes, centroids;
@@ -109,7 +109,8 @@ HWY_NOINLINE Partition partition(Reference* references, std::uint32_t count, con
   return {left_count, sides.boxes, sides.centroids};
 }
 
-// The same for no more than `sweep_limit`, where nobody asks for the bounds of the centroids.
+// The same for at most `sweep_limit` references, without the bounds of the centroids, which nothing needs
+// there.
 HWY_INLINE std::uint32_t partition_few(Reference* references, std::uint32_t count, const ObjectSplit& split,
                                        ChildBoxes& boxes) {
   boxes = {empty_box(), empty_box()};

@@ -1,4 +1,4 @@
-// Object splits: every reference goes whole to one child. The cheapest of those between bins.
+// Object splits: every reference goes to one child. The cheapest of the splits between bins.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_OBJECT_SPLIT_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 
-// Bins on each axis. Up to `few_references`, half of them lose nothing: docs/decisions/0013.
+// Bins on each axis. Up to `few_references`, half as many lose nothing: docs/decisions/0013.
 constexpr int object_bin_count = 32;
 constexpr int few_object_bin_count = 16;
 constexpr std::uint32_t few_references = 256;
@@ -36,7 +36,7 @@ HWY_INLINE float doubled_centroid(const Reference& reference, int axis) {
   return (&reference.lower.x)[axis] + (&reference.upper.x)[axis];
 }
 
-// How a box finds its bins by its centroid.
+// Finds the bins of a box by its centroid.
 struct ObjectBinner {
   Float4 origin, scale, last;
 
@@ -82,7 +82,8 @@ HWY_NOINLINE ObjectSplit cheapest(const Bins& bins, std::uint32_t count, const B
     z = merge(z, bins.box(2, i - 1));
     left = hn::Add(left, bins.counts(i - 1));
     const Float4 left_count = hn::ConvertTo(f32x4, left);
-    // An empty side has infinite area and no references: not a number, which is less than nothing.
+    // An empty side has infinite area and no references. The product is not a number, which never compares as
+    // less.
     const Float4 cost = hn::Add(hn::Mul(half_areas(x, y, z), left_count),
                                 hn::Mul(hn::Load(f32x4, right_areas[i]), hn::Sub(total, left_count)));
     const auto better = hn::Lt(cost, best_cost);
@@ -101,7 +102,7 @@ HWY_NOINLINE ObjectSplit cheapest(const Bins& bins, std::uint32_t count, const B
   return split;
 }
 
-// What the children of a binned split would enclose.
+// The boxes of the children of a binned split.
 HWY_INLINE ChildBoxes child_boxes(const Bins& bins, const ObjectSplit& split, int bin_count) {
   ChildBoxes boxes{empty_box(), empty_box()};
   const int plane = static_cast<int>(split.threshold);

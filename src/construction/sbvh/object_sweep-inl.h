@@ -18,11 +18,10 @@ HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 
-// Up to this many references every split between neighbouring centroids is tried: two vectors of eight
-// candidates.
+// Up to this many references, every split between neighbouring centroids is tried.
 constexpr std::uint32_t sweep_limit = 16;
 
-// The least float above x.
+// The smallest float above x.
 HWY_INLINE float next_above(float x) {
   if (x == 0.0f) return std::numeric_limits<float>::denorm_min();
   std::uint32_t bits;
@@ -32,9 +31,9 @@ HWY_INLINE float next_above(float x) {
   return x;
 }
 
-// Every split between neighbouring centroids. There is no sorting: each lane is one candidate, a reference on
-// an axis, and sends left what lies no further along the axis than the candidate. All look at the references
-// in turn.
+// Tries every split between neighbouring centroids, without sorting. Each lane is one candidate: a reference
+// and an axis. It sends left the references that lie no farther along the axis than its own. All lanes see
+// one reference after another.
 HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count) {
   using Lanes = hn::CappedTag<float, 16>;
   constexpr Lanes lanes;
@@ -42,7 +41,7 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
   constexpr std::uint32_t width = hn::MaxLanes(Lanes());
   static_assert(3 * sweep_limit % width == 0);
 
-  // keys[axis * count + i] is candidate i of an axis; behind the last stand candidates that send all to the
+  // keys[axis * count + i] is candidate i of an axis. The candidates behind the last send all references
   // left.
   alignas(64) float keys[3 * sweep_limit];
   const std::uint32_t candidates = 3 * count;
@@ -53,9 +52,9 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
     }
   }
   const Vec none = hn::Set(lanes, infinity), all = hn::Set(lanes, static_cast<float>(count));
-  // A cost whose last bits are the candidate's number: the order of positive floats is that of their bits, so
-  // that one minimum finds both, and of several that cost the same the first, for any number of lanes. The
-  // bits lost are 2^-18 of the cost.
+  // The last bits of a cost are replaced by the candidate's number. Positive floats are ordered as their bits
+  // are, so that one minimum finds both, and the first of several that cost the same, for any number of
+  // lanes. The bits lost are 2^-18 of the cost.
   using Bits = hn::RebindToUnsigned<Lanes>;
   constexpr Bits bits;
   const auto number_bits = hn::Set(bits, std::uint32_t{63});
@@ -77,7 +76,7 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
                          hn::IfThenElse(is_y, hn::Set(lanes, key[count]), hn::Set(lanes, key[0])));
       const auto is_left = hn::Le(key_on_axis, own_key);
       left_count = hn::Add(left_count, hn::IfThenElseZero(is_left, hn::Set(lanes, 1.0f)));
-      // Chosen from what a lane has and what it would have, which AVX-512 does in one instruction.
+      // AVX-512 does a minimum and its selection in one masked instruction.
       for (int k = 0; k < 3; ++k) {
         const Vec lower = hn::Set(lanes, (&references[i].lower.x)[k]);
         const Vec upper = hn::Set(lanes, (&references[i].upper.x)[k]);
@@ -96,13 +95,13 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
                              hn::Mul(area(right_lower, right_upper), hn::Sub(all, left_count)));
     const auto numbered = hn::Or(hn::AndNot(number_bits, hn::BitCast(bits, cost)), numbers);
     numbers = hn::Add(numbers, hn::Set(bits, width));
-    // Where nothing is on the right the cost is not a number.
+    // Where no reference is on the right, the cost is not a number.
     const auto valid = hn::RebindMask(bits, hn::Lt(left_count, all));
     best = hn::Min(best, hn::IfThenElse(valid, numbered, hn::Set(bits, ~std::uint32_t{0})));
   }
-  const std::uint32_t least = hn::GetLane(hn::MinOfLanes(bits, best));
-  if (least == ~std::uint32_t{0}) return {};
-  const std::uint32_t candidate = least & 63, cost_bits = least & ~std::uint32_t{63};
+  const std::uint32_t lowest = hn::GetLane(hn::MinOfLanes(bits, best));
+  if (lowest == ~std::uint32_t{0}) return {};
+  const std::uint32_t candidate = lowest & 63, cost_bits = lowest & ~std::uint32_t{63};
   ObjectSplit split;
   std::memcpy(&split.cost, &cost_bits, sizeof split.cost);
   split.axis = (candidate >= count ? 1 : 0) + (candidate >= 2 * count ? 1 : 0);

@@ -9,6 +9,7 @@
 
 #include "base/aligned_array.hpp"
 #include "base/parallel.hpp"
+#include "base/raise.hpp"
 #include "base/scratch_pool.hpp"
 #include "construction/input.hpp"
 #include "construction/progress.hpp"
@@ -18,9 +19,9 @@
 namespace kerf {
 namespace {
 
-// A node with room for no more references than this becomes one task, which builds all that is under it.
-// Small enough that what the task writes stays in the second-level cache, large enough that there is next to
-// nothing to schedule.
+// A node with room for at most this many references becomes one task, which builds the whole subtree. What
+// the task writes stays in the second-level cache, and there are few enough tasks that scheduling them costs
+// next to nothing.
 constexpr std::uint32_t task_capacity = 4096;
 
 // Where a task builds a subtree before it is stored. A subtree of n references has at most 2n - 1 nodes.
@@ -31,126 +32,133 @@ struct Scratch {
   static constexpr std::size_t bytes = task_capacity * (2 * sizeof(BinaryNode) + sizeof(std::uint32_t));
 };
 
-// A node above the tasks, or all that one task built.
-struct Part {
+// A node above the tasks, or the subtree that one task built.
+struct TopNode {
   Box3f box;
-  std::unique_ptr<Part> left, right;  // null for a finished subtree
-  SubtreeSize size{};                 // of the finished one
-  FinishedSubtree stored;
+  std::unique_ptr<TopNode> left, right;  // null for a subtree
+  SubtreeSize size{};                    // of a subtree
+  FinishedSubtree subtree;
 };
 
-class Driver {
+class ParallelBuilder {
  public:
-  Driver(const BuildContext& context, const BuildOptions& options, std::uint32_t count)
+  ParallelBuilder(const BuildContext& context, const BuildOptions& options, std::uint32_t count)
       : context_(context), progress_(options.progress, count) {}
 
   BinaryTree build(const NodeInput& root, std::size_t arena_bytes) {
-    Part top;
+    TopNode top;
     std::size_t scratch_bytes;
     {
       ScratchPool<Scratch> scratch;
-      build_part(top, root, scratch);
+      build_below(top, root, scratch);
       scratch_bytes = scratch.size() * Scratch::bytes;
     }
     BinaryTree tree;
     const std::size_t assembly_bytes = assemble(top, tree);
-    tree.build_peak_bytes = arena_bytes + spilled_bytes_ + parts_ * part_bytes +
+    tree.build_peak_bytes = arena_bytes + spilled_bytes_ + top_nodes_ * bytes_per_top_node +
                             std::max(scratch_bytes, tree.bytes() + assembly_bytes);
     return tree;
   }
 
  private:
-  void build_part(Part& part, const NodeInput& node, ScratchPool<Scratch>& scratch) {
+  void build_below(TopNode& top, const NodeInput& node, ScratchPool<Scratch>& scratch) {
     progress_.check();
-    part.box = node.box;
+    top.box = node.box;
     NodeInput left, right;
     if (node.range.capacity() <= task_capacity || !split_node(context_, node, left, right)) {
-      return build_subtree_of(part, node, scratch);
+      return build_in_one_task(top, node, scratch);
     }
-    part.left = std::make_unique<Part>();
-    part.right = std::make_unique<Part>();
-    parts_ += 2;
-    parallel_invoke([&] { build_part(*part.left, left, scratch); },
-                    [&] { build_part(*part.right, right, scratch); });
+    top.left = std::make_unique<TopNode>();
+    top.right = std::make_unique<TopNode>();
+    top_nodes_ += 2;
+    parallel_invoke([&] { build_below(*top.left, left, scratch); },
+                    [&] { build_below(*top.right, right, scratch); });
   }
 
-  // What was built takes the place of the references that it was built from, which nobody needs any more.
-  void build_subtree_of(Part& part, const NodeInput& node, ScratchPool<Scratch>& pool) {
+  // The subtree overwrites the references that it was built from: nothing reads these any more.
+  void build_in_one_task(TopNode& top, const NodeInput& node, ScratchPool<Scratch>& pool) {
     const auto scratch = pool.borrow([] { return Scratch(); });
-    part.size = build_subtree(context_, node, scratch->nodes.get(), scratch->references.get());
-    part.stored = FinishedSubtree(part.size, scratch->nodes.get(), scratch->references.get(),
+    top.size = build_subtree(context_, node, scratch->nodes.get(), scratch->references.get());
+    top.subtree = FinishedSubtree(top.size, scratch->nodes.get(), scratch->references.get(),
                                   context_.arena + node.range.begin, node.range.capacity());
-    spilled_bytes_ += part.stored.spilled_bytes();
+    spilled_bytes_ += top.subtree.spilled_bytes();
     progress_.add(node.range.count());
   }
 
-  // A finished subtree, and where it goes. Its root stands beside its sibling, the rest of it together.
-  struct Job {
-    const Part* part;
+  // Where a subtree goes in the tree: the slot of its root, which stands beside its sibling, and the first
+  // slots of its other nodes and of its references.
+  struct SubtreePlace {
+    const TopNode* top;
     std::uint32_t root, nodes, references;
   };
-  struct Inner {
+  // A node above the tasks and its slot in the tree.
+  struct InnerPlace {
     std::uint32_t slot;
     BinaryNode node;
   };
-
-  // Returns what was held meanwhile beside the parts and the tree.
-  std::size_t assemble(const Part& top, BinaryTree& tree) {
-    std::vector<Job> jobs;
-    std::vector<Inner> inner;
-    jobs.reserve(parts_ / 2 + 1);
-    inner.reserve(parts_ / 2);
+  // The places of all, and how many nodes and references have theirs so far.
+  struct Places {
+    std::vector<SubtreePlace> subtrees;
+    std::vector<InnerPlace> inner;
     std::uint32_t nodes = 1, references = 0;
-    number(top, 0, nodes, references, jobs, inner);
-    tree.nodes.resize(nodes);
-    tree.references.resize(references);
-    parallel_for(jobs.size(), [&](std::size_t i) { copy(jobs[i], tree); });
-    for (const auto& [slot, node] : inner) tree.nodes[slot] = node;
-    return jobs.capacity() * sizeof(Job) + inner.capacity() * sizeof(Inner);
+  };
+
+  // Returns the bytes that were held meanwhile beside the top nodes and the tree.
+  std::size_t assemble(const TopNode& top, BinaryTree& tree) {
+    Places places;
+    places.subtrees.reserve(top_nodes_ / 2 + 1);
+    places.inner.reserve(top_nodes_ / 2);
+    assign_places(top, 0, places);
+    tree.nodes.resize(places.nodes);
+    tree.references.resize(places.references);
+    parallel_for(places.subtrees.size(), [&](std::size_t i) { copy(places.subtrees[i], tree); });
+    for (const auto& [slot, node] : places.inner) tree.nodes[slot] = node;
+    return places.subtrees.capacity() * sizeof(SubtreePlace) + places.inner.capacity() * sizeof(InnerPlace);
   }
 
-  // In the order of a depth-first build on one thread, so that the tree is the same for any number of them.
-  void number(const Part& part, std::uint32_t slot, std::uint32_t& nodes, std::uint32_t& references,
-              std::vector<Job>& jobs, std::vector<Inner>& inner) {
-    if (part.left == nullptr) {
-      jobs.push_back({&part, slot, nodes, references});
-      nodes += part.size.nodes - 1;
-      references += part.size.references;
+  // The order is that of a depth-first build on one thread, so that the tree is the same for any number of
+  // threads.
+  static void assign_places(const TopNode& top, std::uint32_t slot, Places& places) {
+    if (top.left == nullptr) {
+      places.subtrees.push_back({&top, slot, places.nodes, places.references});
+      places.nodes += top.size.nodes - 1;
+      places.references += top.size.references;
       return;
     }
-    const std::uint32_t child = nodes;
-    inner.push_back({slot, {.bounds = part.box, .first = child, .count = 0}});
-    nodes += 2;
-    number(*part.left, child, nodes, references, jobs, inner);
-    number(*part.right, child + 1, nodes, references, jobs, inner);
+    const std::uint32_t child = places.nodes;
+    places.inner.push_back({slot, {.bounds = top.box, .first = child, .count = 0}});
+    places.nodes += 2;
+    assign_places(*top.left, child, places);
+    assign_places(*top.right, child + 1, places);
   }
 
-  static void copy(const Job& job, BinaryTree& tree) {
-    const SubtreeSize size = job.part->size;
-    for (std::uint32_t i = 0; i < size.nodes; ++i) {
-      BinaryNode& node = tree.nodes[i == 0 ? job.root : job.nodes + i - 1];
-      job.part->stored.read_node(i, node);
-      node.first += node.is_leaf() ? job.references : job.nodes - 1;
+  static void copy(const SubtreePlace& place, BinaryTree& tree) {
+    const TopNode& top = *place.top;
+    for (std::uint32_t i = 0; i < top.size.nodes; ++i) {
+      BinaryNode& node = tree.nodes[i == 0 ? place.root : place.nodes + i - 1];
+      top.subtree.read_node(i, node);
+      node.first += node.is_leaf() ? place.references : place.nodes - 1;
     }
-    job.part->stored.read_references(size, tree.references.data() + job.references);
+    top.subtree.read_references(top.size, tree.references.data() + place.references);
   }
 
  public:
-  // What is held for each part: itself, with what its allocation takes, and a job or an inner node.
-  static constexpr std::size_t part_bytes = sizeof(Part) + 2 * sizeof(void*);
-  static constexpr std::size_t assembly_bytes = std::max(sizeof(Job), sizeof(Inner));
+  // What is held per top node: the node with the overhead of its allocation, and its place.
+  static constexpr std::size_t bytes_per_top_node = sizeof(TopNode) + 2 * sizeof(void*);
+  static constexpr std::size_t bytes_per_place = std::max(sizeof(SubtreePlace), sizeof(InnerPlace));
 
  private:
   const BuildContext& context_;
   Progress progress_;
-  std::atomic<std::size_t> spilled_bytes_ = 0, parts_ = 0;
+  std::atomic<std::size_t> spilled_bytes_ = 0, top_nodes_ = 0;
 };
 
-// Spatial splits of smaller nodes are rarely found and gain little: trying them only here costs 0.1 % of the
+// Spatial splits are tried in nodes of at least this many references whose children overlap by at least this
+// fraction of their own area. Others are rarely found and gain little: leaving them out costs 0.1 % of the
 // surface-area cost on sponza and saves half the time (docs/decisions/0011, 0012). With an alpha of 0, all
 // are tried.
-constexpr std::uint32_t worthwhile_count = 96;
-constexpr float worthwhile_overlap = 0.05f;
+constexpr std::uint32_t min_spatial_count = 96;
+constexpr float min_relative_overlap = 0.05f;
 
 bool splits_space(const BuildOptions& options) {
   return options.builder == Builder::sbvh && options.alpha < 1.0f;
@@ -158,16 +166,16 @@ bool splits_space(const BuildOptions& options) {
 
 }  // namespace
 
-std::size_t most_references(std::size_t triangles, const BuildOptions& options) {
+std::size_t max_references(std::size_t triangles, const BuildOptions& options) {
   const double ratio = splits_space(options) ? double{options.max_reference_ratio} : 1.0;
   return static_cast<std::size_t>(static_cast<double>(triangles) * ratio);
 }
 
-BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& options) {
+BinaryTree construct_split_tree(const Geometry& geometry, const BuildOptions& options) {
   if (geometry.triangle_count() == 0) return {};
-  const std::size_t room = most_references(geometry.triangle_count(), options);
+  const std::size_t room = max_references(geometry.triangle_count(), options);
   if (room >= (std::size_t{1} << 31)) {
-    throw Error(Error::too_large, "there may be 2^31 references or more, which is more than kerf can number");
+    raise(Error::too_large, "there may be 2^31 references or more, which is more than kerf can number");
   }
   const AlignedArray<Reference> arena(room);
   return on_threads(options.threads, [&]() -> BinaryTree {
@@ -175,26 +183,26 @@ BinaryTree build_split_tree(const Geometry& geometry, const BuildOptions& option
     BinaryTree tree;
     if (input.count != 0) {
       const float root_area = half_area(input.box);
-      // Chopping could overflow where not even the area is finite: see math/clip.hpp.
+      // Chopping could overflow where the area overflows: see math/clip.hpp.
       const bool can_chop = splits_space(options) && std::isfinite(root_area);
       const BuildContext context{.geometry = can_chop ? &geometry : nullptr,
                                  .arena = arena.data(),
                                  .max_leaf_size = options.max_leaf_size,
                                  .absolute_overlap = options.alpha * root_area,
-                                 .relative_overlap = options.alpha > 0.0f ? worthwhile_overlap : 0.0f,
-                                 .spatial_minimum = options.alpha > 0.0f ? worthwhile_count : 2};
-      const auto limit = static_cast<std::uint32_t>(most_references(input.count, options));
-      tree = Driver(context, options, input.count)
+                                 .relative_overlap = options.alpha > 0.0f ? min_relative_overlap : 0.0f,
+                                 .min_spatial_count = options.alpha > 0.0f ? min_spatial_count : 2};
+      const auto limit = static_cast<std::uint32_t>(max_references(input.count, options));
+      tree = ParallelBuilder(context, options, input.count)
                  .build({{0, input.count, limit}, 0, input.box, input.doubled_centroids},
                         room * sizeof(Reference));
-      tree.least_divided = context.geometry == nullptr ? ~std::uint32_t{0} : context.spatial_minimum;
+      tree.min_divided_count = context.geometry == nullptr ? ~std::uint32_t{0} : context.min_spatial_count;
     }
     tree.degenerate_triangles = input.degenerate_triangles;
     return tree;
   });
 }
 
-BinaryTree build_object_split_tree(std::vector<Reference> references, const BuildOptions& options) {
+BinaryTree construct_object_split_tree(std::vector<Reference> references, const BuildOptions& options) {
   if (references.empty()) return {};
   const auto count = static_cast<std::uint32_t>(references.size());
   NodeInput root{{0, count, count}, 0, {}, {}};
@@ -204,21 +212,22 @@ BinaryTree build_object_split_tree(std::vector<Reference> references, const Buil
   }
   const BuildContext context{.arena = references.data(),
                              .max_leaf_size = options.max_leaf_size,
-                             .spatial_minimum = worthwhile_count};
+                             .min_spatial_count = min_spatial_count};
   return on_threads(options.threads, [&] {
-    return Driver(context, options, count).build(root, references.capacity() * sizeof(Reference));
+    return ParallelBuilder(context, options, count).build(root, references.capacity() * sizeof(Reference));
   });
 }
 
 std::size_t tree_memory_bound(std::size_t triangles, const BuildOptions& options) {
-  const std::size_t references = most_references(triangles, options);
+  const std::size_t references = max_references(triangles, options);
   const std::size_t tree = binary_tree_bytes(references);
   const std::size_t spilled = tree - references * sizeof(Reference);
-  // Nodes of more than `task_capacity` places are parted, each in two: side by side there are no more than
-  // fit.
-  const std::size_t parts = 1 + 2 * max_tree_depth * (references / task_capacity);
+  // Only nodes with room for more than `task_capacity` references have two top nodes below them. Nodes at one
+  // depth share the arena, which limits how many of these there are.
+  const std::size_t top_nodes = 1 + 2 * max_tree_depth * (references / task_capacity);
   const std::size_t scratch = static_cast<std::size_t>(usable_threads(options.threads)) * Scratch::bytes;
-  return references * sizeof(Reference) + spilled + parts * (Driver::part_bytes + Driver::assembly_bytes) +
+  return references * sizeof(Reference) + spilled +
+         top_nodes * (ParallelBuilder::bytes_per_top_node + ParallelBuilder::bytes_per_place) +
          std::max(scratch, tree);
 }
 

@@ -21,10 +21,10 @@ namespace HWY_NAMESPACE {
 constexpr int spatial_bin_count = 32;
 
 // Chopped binning in two steps. In the first, a reference adds its box to the bin in which it begins and to
-// the one in which it ends; a plane then bounds its left side by all that begins left of it, cut off at the
-// plane, and its right side likewise. That is chopping boxes, and it takes no longer for a reference in many
-// bins than for one in a single bin. In the second, the triangles themselves are chopped, but at the best
-// plane of each axis alone.
+// the bin in which it ends. The left side of a plane is then bounded by all boxes that begin left of it, cut
+// off at the plane, and the right side likewise. This chops boxes, and a reference in many bins takes no
+// longer than one in a single bin. In the second step, the triangles themselves are chopped, but only at the
+// best plane of each axis.
 struct SpatialBins {
   Bins begins, ends;
 };
@@ -68,9 +68,9 @@ HWY_NOINLINE void fill(SpatialBins& bins, const Reference* references, std::uint
       });
 }
 
-// Both kinds of bins in one pass. Where spatial splits are possible at all, nearly all nodes come to look at
-// them (19 of 20 references on sponza and a dragon), and neighbours often fall into the same bin, which the
-// second must wait for: there is more to do meanwhile.
+// Both kinds of bins in one pass. Where spatial splits are possible, nearly all nodes evaluate them (19 of 20
+// references on sponza and a dragon). Neighbouring references often fall into the same bin, so that the
+// second waits for the first: filling other bins meanwhile hides that.
 HWY_NOINLINE void fill(Bins& object_bins, const BinMapping& object_mapping, int object_bin_count,
                        SpatialBins& spatial_bins, const BinMapping& spatial_mapping,
                        const Reference* references, std::uint32_t count) {
@@ -118,8 +118,8 @@ struct HalfSpaces {
   HWY_INLINE SimdBox at(int number) const { return move(first, step, static_cast<float>(number)); }
 };
 
-// The best plane of each axis with boxes chopped. Only planes that make at most `slack` references more
-// count.
+// The best plane of each axis with boxes chopped, among those that make at most `slack` additional
+// references.
 struct PlaneCandidates {
   float costs[3];
   int numbers[3];

@@ -18,9 +18,9 @@ HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 
-// Carries `split` out in place: references of the left child come first, those of the right follow, and run
-// on into the slack where straddling references are divided. A straddling one is kept whole on one side if
-// that costs less (reference unsplitting, section 4.4 of the paper).
+// Carries `split` out in place: references of the left child come first, those of the right child follow and
+// run on into the slack where straddling references are divided. A straddling reference is kept whole on one
+// side if that costs less (reference unsplitting, section 4.4 of the paper).
 struct SpatialPartition {
   std::uint32_t left_count, right_count;
   ChildBoxes boxes, centroids;
@@ -28,8 +28,8 @@ struct SpatialPartition {
 
 HWY_NOINLINE SpatialPartition partition(const Geometry& geometry, Reference* references, std::uint32_t count,
                                         const SpatialSplit& split) {
-  // Both children as they would be if every straddling reference were divided; unsplitting grows the one and
-  // takes from the other.
+  // Both children as they are if every straddling reference is divided. Unsplitting grows the box of one and
+  // lowers the count of the other.
   SimdBox left_box = split.boxes.left, right_box = split.boxes.right;
   float left_count = split.left_count, right_count = split.right_count;
   std::uint32_t left_end = 0, right_begin = count, spare = count;

@@ -23,9 +23,9 @@ HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 
-// The plane of each axis that is cheapest when boxes are chopped is looked at again with the triangles
-// chopped, unless even so it costs this many times the object split. Without the limit three times as many
-// triangles are chopped for a surface-area cost that differs by less than 0.1 %.
+// The cheapest plane of each axis by chopped boxes is evaluated again with chopped triangles, unless it costs
+// more than this many times the object split. Without the limit three times as many triangles are chopped,
+// and the surface-area cost differs by less than 0.1 %.
 constexpr float worth_chopping = 1.4f;
 
 // References with x = (lower - origin) * scale < plane number begin left of the plane, those with
@@ -52,7 +52,7 @@ struct SpatialSplit {
   }
 };
 
-// Lists the references that straddle a plane, as many as fit into a vector at a time.
+// Lists the references that straddle a plane. A vector's worth of references is tested at a time.
 class StraddlerSearch {
   using Lanes = hn::CappedTag<float, 16>;
   using Numbers = hn::RebindToUnsigned<Lanes>;
@@ -60,8 +60,8 @@ class StraddlerSearch {
  public:
   // Each reference takes two lanes, one for either corner.
   static constexpr std::uint32_t references = hn::MaxLanes(Lanes()) / 2;
-  // How many numbers `find` writes over.
-  static constexpr std::uint32_t most = hn::MaxLanes(Lanes());
+  // `find` may write to this many places, whatever it finds.
+  static constexpr std::uint32_t written = hn::MaxLanes(Lanes());
 
   HWY_INLINE explicit StraddlerSearch(const SpatialSplit& split)
       : axis_(split.axis),
@@ -69,11 +69,11 @@ class StraddlerSearch {
         scale_(hn::Set(lanes, split.scale)),
         plane_(hn::Set(lanes, split.plane_number)) {}
 
-  // As SpatialSplit::side_of, for the references from `first` on. Writes their numbers, returns how many
-  // they are.
+  // As SpatialSplit::side_of, for `references` references from `first` on. Writes the numbers of those that
+  // straddle and returns how many there are.
   HWY_INLINE std::uint32_t find(const Reference* from, std::uint32_t first, std::uint32_t* to) const {
-    hn::Vec<Lanes>
-        corners[4];  // x, y and z of the lower and the upper corner of each by turns; their numbers
+    // x, y and z of the corners, lower and upper interleaved, and the references' numbers.
+    hn::Vec<Lanes> corners[4];
     hn::LoadInterleaved4(lanes, &from[first].lower.x, corners[0], corners[1], corners[2], corners[3]);
     const auto place = hn::Mul(hn::Sub(corners[axis_], origin_), scale_);
     const auto straddles = hn::And(hn::Lt(hn::DupEven(place), plane_), hn::Gt(hn::DupOdd(place), plane_));
@@ -91,8 +91,8 @@ class StraddlerSearch {
   hn::Vec<Lanes> origin_, scale_, plane_;
 };
 
-// What a plane costs when the triangles that straddle it are chopped. Not found where that is `limit` or
-// more.
+// The cost of a plane when the triangles that straddle it are chopped. The search is given up, with an
+// infinite cost, once the cost cannot be below `limit`.
 HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& bins,
                                   const Reference* references, std::uint32_t count, const Box3f& box,
                                   const BinMapping& mapping, int axis, int number, float limit) {
@@ -104,7 +104,7 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
   split.plane = plane_at(box, axis, number);
   SimdBox left = empty_box(), right = left;
   std::int32_t left_count = 0, right_count = 0, straddling = static_cast<std::int32_t>(count);
-  for (int i = 0; i < number; ++i) {  // those wholly on the left end there
+  for (int i = 0; i < number; ++i) {  // references wholly on the left end in these bins
     left = merge(left, bins.ends.box(axis, i));
     left_count += bins.ends.count(axis, i);
   }
@@ -113,17 +113,18 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
     right_count += bins.begins.count(axis, i);
   }
   straddling -= left_count + right_count;
-  // Chopping what straddles the plane can only add to these boxes, and nearly always adds to both counts.
-  const auto least_cost = [&] {
+  // A lower bound, or nearly so: chopping straddling triangles only grows these boxes, and nearly always adds
+  // one to both counts.
+  const auto min_cost = [&] {
     return half_area_or_zero(left) * static_cast<float>(left_count + straddling) +
            half_area_or_zero(right) * static_cast<float>(right_count + straddling);
   };
-  // Few, so that planes are given up early; but enough for their corners to be fetched side by side.
+  // Few, so that planes are given up early; but enough for the fetches of their vertices to overlap.
   constexpr std::uint32_t batch = 16;
-  std::uint32_t straddlers[batch + StraddlerSearch::most];
+  std::uint32_t straddlers[batch + StraddlerSearch::written];
   const StraddlerSearch search(split);
   for (std::uint32_t i = 0; i < count && straddling > 0;) {
-    if (least_cost() >= limit) return split;
+    if (min_cost() >= limit) return split;
     std::uint32_t found = 0;
     for (; count - i >= StraddlerSearch::references && found < batch; i += StraddlerSearch::references)
       found += search.find(references, i, straddlers + found);
@@ -147,11 +148,11 @@ HWY_NOINLINE SpatialSplit chop_at(const Geometry& geometry, const SpatialBins& b
       }
     }
   }
-  if (left_count == 0 || right_count == 0 || least_cost() >= limit) return split;
+  if (left_count == 0 || right_count == 0 || min_cost() >= limit) return split;
   split.left_count = static_cast<float>(left_count);
   split.right_count = static_cast<float>(right_count);
   split.boxes = {left, right};
-  split.cost = least_cost();
+  split.cost = min_cost();
   return split;
 }
 
@@ -161,7 +162,7 @@ HWY_NOINLINE SpatialSplit find_spatial_split(const Geometry& geometry, const Spa
                                              const Range& range, const Box3f& box, float object_split_cost) {
   const PlaneCandidates candidates = cheapest_planes(bins, box, range.count(), range.slack());
   SpatialSplit best;
-  // The most promising first: what it costs is a limit that lets the others be given up sooner.
+  // The most promising axis comes first: its cost is a limit with which the others are given up sooner.
   int order[3] = {0, 1, 2};
   std::sort(order, order + 3, [&](int a, int b) {
     return std::pair(candidates.costs[a], a) < std::pair(candidates.costs[b], b);

@@ -7,7 +7,7 @@
 
 #define KERF_FOUR_LANES
 #include "simd/targets.hpp"
-#include "tree/measures/measures.hpp"
+#include "tree/measures/sah.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "construction/sbvh/subtree.cpp"
@@ -28,18 +28,18 @@ namespace {
 
 static_assert(triangle_cost == 1.0, "costs of splits count triangles");
 
-// Whether a leaf costs no more than an inner node with children of that cost.
+// Whether a leaf costs no more than an inner node whose children cost `children_cost`.
 bool leaf_is_cheapest(const BuildContext& context, std::uint32_t count, float area, float children_cost) {
   return count <= context.max_leaf_size &&
          area * static_cast<float>(count) <= static_cast<float>(inner_node_cost) * area + children_cost;
 }
 
-// Near the greatest depth, nodes are halved whatever it costs: see max_tree_depth.
+// Near the maximum depth, nodes are halved whatever the cost: see max_tree_depth.
 bool must_halve(std::uint32_t count, std::uint32_t depth) {
   return depth + static_cast<std::uint32_t>(std::bit_width(count)) >= max_tree_depth;
 }
 
-// Boxes of the references of a child, where the split itself did not find them.
+// Computes the boxes of a child where the split itself does not.
 void measure(const Reference* arena, NodeInput& node) {
   SimdBox box = empty_box(), centroids = box;
   for (std::uint32_t i = node.range.begin; i < node.range.end; ++i) {
@@ -110,7 +110,7 @@ class SubtreeBuilder {
  private:
   void build_node(std::uint32_t slot, const NodeInput& node) {
     Reference* const references = context_.arena + node.range.begin;
-    if (node.range.count() < context_.spatial_minimum && node.range.count() <= sweep_limit) {
+    if (node.range.count() < context_.min_spatial_count && node.range.count() <= sweep_limit) {
       return build_small(slot, references, node.range.count(), node.depth, to_simd_box(node.box));
     }
     nodes_[slot].bounds = node.box;
@@ -121,14 +121,14 @@ class SubtreeBuilder {
     build_node(child + 1, right);
   }
 
-  // Object splits alone, and few enough references to try all: most nodes of a tree are built here.
+  // Tries every object split of few references, and no spatial ones. Most nodes of a tree are built here.
   void build_small(std::uint32_t slot, Reference* references, std::uint32_t count, std::uint32_t depth,
                    const SimdBox& box) {
     nodes_[slot].bounds = to_box3f(box);
     if (count == 1) return make_leaf(slot, references, count);
     ChildBoxes children{empty_box(), empty_box()};
     std::uint32_t left_count = count / 2;
-    if (count == 2) {  // there is one way to split these
+    if (count == 2) {  // there is only one split
       children = {load_box(references[0]), load_box(references[1])};
       const float cost = half_area_of(children.left) + half_area_of(children.right);
       if (leaf_is_cheapest(context_, count, half_area_of(box), cost))

@@ -1,4 +1,4 @@
-// The part of a build that runs on one thread, compiled once for every instruction set.
+// What one task of a build does on one thread, compiled once for every instruction set.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,10 @@ struct BuildContext {
   const Geometry* geometry = nullptr;  ///< null: object splits only
   Reference* arena = nullptr;
   std::uint32_t max_leaf_size = 8;
-  float absolute_overlap = 0.0f;      ///< alpha times the root's half area: less is not worth a spatial split
-  float relative_overlap = 0.0f;      ///< the same, as a part of the node's own half area
-  std::uint32_t spatial_minimum = 2;  ///< nodes of fewer references are not worth one either
+  float absolute_overlap = 0.0f;        ///< alpha times the root's half area; a spatial split is tried only
+                                        ///< where the children of the object split overlap by more
+  float relative_overlap = 0.0f;        ///< and by at least this fraction of the node's own half area,
+  std::uint32_t min_spatial_count = 2;  ///< in nodes of at least this many references
   Target target = choose_target();
 };
 
@@ -36,26 +37,26 @@ struct SubtreeSize {
   std::uint32_t nodes, references;
 };
 
-/// Builds everything under `node`, itself included, and numbers nodes and references from 0. There must be
-/// room for two nodes and one reference for each place of the node's range.
+/// Builds the subtree with the root `node`, and numbers its nodes and references from 0. There must be room
+/// for two nodes and one reference per place of the node's range.
 SubtreeSize build_subtree(const BuildContext& context, const NodeInput& node, BinaryNode* nodes,
                           std::uint32_t* references);
 
-// The steps of a split on their own, for tests and measurements:
+// Single steps of a split, for tests and measurements:
 
-/// Both children of a reference that is chopped, as `chop` in math/clip.hpp.
+/// The boxes of both children of a reference that is chopped, as `chop` in math/clip.hpp.
 void chop_reference(const BuildContext& context, const Reference& reference, int axis, float plane,
                     Box3f& left, Box3f& right);
 
-/// What the cheapest splits of a node cost, half area times references summed over the children; infinite
-/// where there is none, or where the spatial one is no cheaper.
+/// The costs of a node's cheapest splits: half area times references, summed over both children. Infinite
+/// where there is no such split, or where the spatial one is no cheaper.
 struct SplitCosts {
   float object, spatial;
 };
 SplitCosts bin_node(const BuildContext& context, const NodeInput& node);
 
-/// Brings those of the first `count` references of the arena whose doubled centroids lie below `position` to
-/// the front; returns how many they are.
+/// Of the first `count` references of the arena, moves those whose doubled centroids lie below `position` to
+/// the front. Returns their number.
 std::uint32_t partition_references(const BuildContext& context, std::uint32_t count, int axis,
                                    float position);
 

@@ -66,8 +66,7 @@ HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bv
                w = difference_of_products(b.x, a.y, b.y, a.x);
   const Float8 min_edge = minimum(minimum(u, v), w), max_edge = maximum(maximum(u, v), w);
   std::uint32_t candidates = (1u << count) - 1;
-  candidates &=
-      ~(less(min_edge, broadcast(-Limits::least_sign)) & less(broadcast(Limits::least_sign), max_edge));
+  candidates &= ~(less(min_edge, broadcast(-Limits::min_sign)) & less(broadcast(Limits::min_sign), max_edge));
   if (candidates == 0) return false;
 
   const std::uint32_t trusted =

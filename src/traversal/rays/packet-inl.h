@@ -292,8 +292,8 @@ class Packet {
       const V u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
               w = difference_of_products(b.x, a.y, b.y, a.x);
       const V min_edge = hn::Min(hn::Min(u, v), w), max_edge = hn::Max(hn::Max(u, v), w);
-      const M differ = hn::And(hn::Lt(min_edge, hn::Set(tag, -SinglePrecision::least_sign)),
-                               hn::Lt(hn::Set(tag, SinglePrecision::least_sign), max_edge));
+      const M differ = hn::And(hn::Lt(min_edge, hn::Set(tag, -SinglePrecision::min_sign)),
+                               hn::Lt(hn::Set(tag, SinglePrecision::min_sign), max_edge));
       const M candidates = hn::AndNot(differ, active);
       if (hn::AllFalse(tag, candidates)) continue;
 
@@ -302,9 +302,9 @@ class Packet {
       const V inverse = hn::Div(hn::Set(tag, 1.0f), determinant);
       const V z = hn::Add(hn::Add(hn::Mul(u, a.z), hn::Mul(v, b.z)), hn::Mul(w, c.z));
       const V t = hn::Mul(hn::Mul(z, inverse), inverse_dz_);
-      const V limit = hn::Set(tag, SinglePrecision::greatest);
-      const M large_enough = hn::Or(hn::Lt(hn::Set(tag, SinglePrecision::least_value), min_edge),
-                                    hn::Lt(max_edge, hn::Set(tag, -SinglePrecision::least_value)));
+      const V limit = hn::Set(tag, SinglePrecision::max_value);
+      const M large_enough = hn::Or(hn::Lt(hn::Set(tag, SinglePrecision::min_value), min_edge),
+                                    hn::Lt(max_edge, hn::Set(tag, -SinglePrecision::min_value)));
       const M small_enough = hn::And(hn::Lt(hn::Abs(determinant), limit), hn::Lt(hn::Abs(t), limit));
       const M trusted = hn::And(candidates, hn::And(large_enough, small_enough));
       changed |= keep_nearer(t, hn::Mul(v, inverse), hn::Mul(w, inverse), primitive, trusted);

@@ -82,9 +82,9 @@ struct alignas(64) WideRay {
 
 // From which magnitude on an edge function is decided in single precision, for a scene whose far side lies at
 // `distance` along the axes: with coordinates below 2^36 no determinant and no t comes near
-// `SinglePrecision::greatest`.
+// `SinglePrecision::max_value`.
 HWY_INLINE float min_value(float distance) {
-  return distance < 0x1p36f ? SinglePrecision::least_value : std::numeric_limits<float>::infinity();
+  return distance < 0x1p36f ? SinglePrecision::min_value : std::numeric_limits<float>::infinity();
 }
 
 #if KERF_FLOAT_LANES == 1

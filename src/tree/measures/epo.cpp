@@ -1,16 +1,20 @@
-// End-point overlap: each triangle is clipped down the tree, and what of it reaches nodes that do not know it
+// Each triangle is clipped down the tree. Its area in the boxes of nodes that do not have it below them
 // counts.
+#include "tree/measures/epo.hpp"
+
 #include <cstdint>
+#include <vector>
+
+#include <kerf/inspect.hpp>
 
 #include "base/parallel.hpp"
 #include "base/scratch_pool.hpp"
-#include "tree/measures/measures.hpp"
 #include "tree/polygon.hpp"
 
 namespace kerf {
 namespace {
 
-// The leaves that reference each triangle, and the way up from them.
+// The leaves that reference each triangle, and the parents of all nodes.
 struct LeavesOfTriangles {
   std::vector<std::uint32_t> first;   // of each triangle, its place in `leaves`; one more ends the last
   std::vector<std::uint32_t> leaves;  // node numbers
@@ -32,7 +36,7 @@ struct LeavesOfTriangles {
   }
 };
 
-// Which nodes have the present triangle in their subtree: those stamped with its number plus one.
+// The nodes that have the current triangle in their subtree are stamped with its number plus one.
 using Stamps = std::vector<std::uint32_t>;
 
 class Overlap {
@@ -50,8 +54,7 @@ class Overlap {
   };
 
   Sum sum() {
-    // The grain fixes how sums are parted, so that the same tree measures the same with any number of
-    // threads.
+    // The grain fixes how the sum is divided, so that it is the same for any number of threads.
     constexpr std::size_t grain = 256;
     const auto count = static_cast<std::uint32_t>(geometry_.triangle_count());
     return parallel_sum<Sum>(count, grain, [this](const auto& range) {

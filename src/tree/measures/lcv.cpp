@@ -1,17 +1,20 @@
-// Leaf count variability: how differently many leaves the lines through a tree meet.
+#include "tree/measures/lcv.hpp"
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "base/parallel.hpp"
-#include "tree/measures/measures.hpp"
 
 namespace kerf {
 namespace {
 
-// Standard errors of a deviation fall with the root of the count: 2^16 lines leave less than half a percent.
+// The standard error of a deviation falls with the square root of the count: 2^16 lines leave under 0.5 %.
 constexpr std::uint32_t line_count = 1u << 16;
 
 struct Line {
@@ -31,10 +34,10 @@ bool meets(const Line& line, const Box3f& box) {
   return enter <= leave;
 }
 
-// Point `i` of a sequence that fills the unit cube of five dimensions evenly: multiples of the powers of the
+// Point `i` of a low-discrepancy sequence in the unit cube of five dimensions: multiples of the powers of the
 // generalised golden ratio, the root of x^6 = x + 1 (Roberts 2018, "The Unreasonable Effectiveness of
 // Quasirandom Sequences").
-std::array<double, 5> even_point(std::uint32_t i) {
+std::array<double, 5> sequence_point(std::uint32_t i) {
   constexpr double ratio = 1.1347241384015194;
   std::array<double, 5> point;
   double power = 1.0;
@@ -46,10 +49,10 @@ std::array<double, 5> even_point(std::uint32_t i) {
   return point;
 }
 
-// A line from a point even on the surface of `box`, inward with the cosine's distribution: even among all
-// lines that meet the box, each with the same density as seen from any side.
-Line even_line(const Box3f& box, std::uint32_t i) {
-  auto [face, a, b, radius, turn] = even_point(i);
+// Line `i` from a point that is uniform on the surface of `box`, inward with the cosine distribution. Such
+// lines are uniform among all lines that meet the box.
+Line line_through(const Box3f& box, std::uint32_t i) {
+  auto [face, a, b, radius, turn] = sequence_point(i);
   std::array<double, 3> size;
   for (int axis = 0; axis < 3; ++axis) {
     size[static_cast<std::size_t>(axis)] = double{box.upper[axis]} - box.lower[axis];
@@ -101,14 +104,14 @@ double leaf_count_variability(const BinaryTree& tree) {
     Sum operator+(const Sum& other) const { return {leaves + other.leaves, squares + other.squares}; }
   };
   const Sum sum = parallel_sum<Sum>(line_count, 256, [&tree](const auto& range) {
-    Sum part;
+    Sum sum;
     std::vector<std::uint32_t> stack;
     for (std::uint32_t i = range.begin(); i != range.end(); ++i) {
-      const std::uint64_t count = count_leaves(tree, even_line(tree.nodes[0].bounds, i), stack);
-      part.leaves += count;
-      part.squares += count * count;
+      const std::uint64_t count = count_leaves(tree, line_through(tree.nodes[0].bounds, i), stack);
+      sum.leaves += count;
+      sum.squares += count * count;
     }
-    return part;
+    return sum;
   });
   const double mean = static_cast<double>(sum.leaves) / line_count;
   return std::sqrt(std::max(0.0, static_cast<double>(sum.squares) / line_count - mean * mean));

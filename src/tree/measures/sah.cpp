@@ -1,11 +1,9 @@
-#include <algorithm>
-
-#include "tree/measures/measures.hpp"
+#include "tree/measures/sah.hpp"
 
 namespace kerf {
 namespace {
 
-// In double precision: the squares of extents near the float range overflow in single precision.
+// In double precision, because in single precision products of extents near the range of a float overflow.
 double half_area_double(const Box3f& box) {
   const double x = double{box.upper.x} - box.lower.x;
   const double y = double{box.upper.y} - box.lower.y;
@@ -14,25 +12,6 @@ double half_area_double(const Box3f& box) {
 }
 
 }  // namespace
-
-TreeCounts count_tree(const BinaryTree& tree) {
-  TreeCounts counts;
-  counts.nodes = tree.nodes.size();
-  counts.references = tree.references.size();
-  std::vector<std::size_t> depths(tree.nodes.size(), 0);
-  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {  // parents come before their children
-    const BinaryNode& node = tree.nodes[i];
-    if (node.is_leaf()) {
-      ++counts.leaves;
-      counts.depth = std::max(counts.depth, depths[i]);
-      if (counts.leaf_sizes.size() <= node.count) counts.leaf_sizes.resize(node.count + 1);
-      ++counts.leaf_sizes[node.count];
-    } else {
-      depths[node.left()] = depths[node.right()] = depths[i] + 1;
-    }
-  }
-  return counts;
-}
 
 double surface_area_cost(const BinaryTree& tree) {
   if (tree.empty()) return 0.0;

@@ -14,7 +14,8 @@
 #include "construction/sbvh/parallel_build.hpp"
 #include "support/random_triangles.hpp"
 #include "support/targets.hpp"
-#include "tree/measures/measures.hpp"
+#include "tree/measures/counts.hpp"
+#include "tree/measures/sah.hpp"
 #include "tree/validate.hpp"
 #include "workbench/generate/solids.hpp"
 
@@ -27,7 +28,7 @@ using kerf_tests::Mesh;
 using kerf_tests::random_triangles;
 
 BinaryTree tree_of(const kerf::TriangleMesh& mesh, const BuildOptions& options = {}) {
-  return kerf::build_tree(kerf::Geometry(std::span(&mesh, 1)), options);
+  return kerf::construct(kerf::Geometry(std::span(&mesh, 1)), options);
 }
 
 std::vector<std::string> findings(const BinaryTree& tree, const kerf::TriangleMesh& mesh) {
@@ -137,7 +138,7 @@ TEST(SplitBvh, ManyIdenticalTrianglesMakeABalancedTree) {
   EXPECT_GE(counts.references, mesh.triangles.size());
 }
 
-// Triangle i is of size 2^-i: every split by the heuristic parts the largest from all others.
+// Triangle i has size 2^-i: every split by the heuristic separates the largest from all others.
 TEST(SplitBvh, DepthIsBoundedWhereEverySplitIsLopsided) {
   Mesh mesh;
   for (std::uint32_t i = 0; i < 120; ++i) {

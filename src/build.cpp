@@ -1,0 +1,56 @@
+// The road from end to end: meshes become a tree, and the tree becomes the structure that is traced.
+#include "build.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <kerf/build.hpp>
+
+#include "base/fp_environment.hpp"
+#include "base/out_of_memory.hpp"
+#include "base/parallel.hpp"
+#include "construction/builders.hpp"
+#include "construction/construct.hpp"
+#include "construction/options.hpp"
+#include "construction/sbvh/parallel_build.hpp"
+#include "layout/lay_out.hpp"
+
+namespace kerf {
+
+std::shared_ptr<Structure> lay_out_tree(const Geometry& geometry, const BinaryTree& tree, unsigned threads) {
+  LaidOut laid_out = on_threads(threads, [&] { return make_wide_bvh(geometry, tree); });
+  const auto first_triangles = geometry.first_triangles();
+  auto structure = make_structure(std::move(laid_out.wide), {first_triangles.begin(), first_triangles.end()},
+                                  tree.degenerate_triangles);
+  structure->statistics.build_peak_bytes =
+      std::max(tree.build_peak_bytes, tree.bytes() + laid_out.peak_bytes);
+  return structure;
+}
+
+Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
+  const PlainFloatingPoint plain;
+  const auto start = std::chrono::steady_clock::now();
+  return report_out_of_memory([&] {
+    const Geometry geometry(meshes);
+    const auto structure = lay_out_tree(geometry, construct(geometry, options), options.threads);
+    structure->statistics.build_seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return Structure::share(structure);
+  });
+}
+
+Bvh build(const TriangleMesh& mesh, const BuildOptions& options) {
+  return build(std::span<const TriangleMesh>(&mesh, 1), options);
+}
+
+std::size_t build_memory_bound(std::size_t triangles, const BuildOptions& options) {
+  check_options(options);
+  // Lists of meshes and of tasks, and what allocators add to an array.
+  constexpr std::size_t small_things = std::size_t{1} << 16;
+  const std::size_t references = max_references(triangles, options);
+  return small_things + std::max(find_builder(options.builder)->memory_bound(triangles, options),
+                                 binary_tree_bytes(references) + layout_memory_bound(references));
+}
+
+}  // namespace kerf

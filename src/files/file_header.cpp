@@ -1,0 +1,89 @@
+#include "files/file_header.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/raise.hpp"
+#include "files/checksum.hpp"
+#include "structure.hpp"
+
+namespace kerf {
+namespace {
+
+std::uint64_t aligned(std::uint64_t offset) {
+  return (offset + FileLayout::alignment - 1) / FileLayout::alignment * FileLayout::alignment;
+}
+
+std::span<const std::byte> before_checksum(const FileHeader& header) {
+  return std::as_bytes(std::span(&header, 1)).first(offsetof(FileHeader, header_checksum));
+}
+
+}  // namespace
+
+FileLayout::FileLayout(const FileHeader& header)
+    : meshes_at(aligned(sizeof(FileHeader))),
+      meshes_bytes((std::uint64_t{header.meshes} + 1) * sizeof(std::uint32_t)),
+      nodes_at(aligned(meshes_at + meshes_bytes)),
+      nodes_bytes(std::uint64_t{header.nodes} * sizeof(WideNode)),
+      leaves_at(aligned(nodes_at + nodes_bytes)),
+      leaves_bytes(header.leaf_words * sizeof(std::uint32_t)),
+      file_bytes(aligned(leaves_at + leaves_bytes)) {}
+
+FileHeader make_header(const Structure& structure) {
+  const WideBvh& wide = structure.wide;
+  FileHeader header;
+  header.triangles = structure.statistics.triangles;
+  header.degenerate_triangles = structure.statistics.degenerate_triangles;
+  const std::size_t ends =
+      structure.first_triangles.size();  // one more than meshes, or none in an empty handle
+  header.meshes = static_cast<std::uint32_t>(ends == 0 ? 0 : ends - 1);
+  header.nodes = static_cast<std::uint32_t>(wide.nodes.size());
+  header.leaf_words = wide.leaves.size();
+  header.depth = wide.depth;
+  header.bounds = wide.bounds;
+  static constexpr std::uint32_t no_triangles[] = {0};
+  header.meshes_checksum = checksum(std::as_bytes(ends == 0 ? std::span<const std::uint32_t>(no_triangles)
+                                                            : std::span(structure.first_triangles)));
+  header.nodes_checksum = checksum(std::as_bytes(wide.nodes));
+  header.leaves_checksum = checksum(std::as_bytes(wide.leaves));
+  header.file_bytes = FileLayout(header).file_bytes;
+  header.header_checksum = checksum(before_checksum(header));
+  return header;
+}
+
+FileHeader read_header(std::span<const std::byte> bytes, std::uint64_t file_bytes) {
+  FileHeader header;
+  if (file_bytes == 0) raise(Error::bad_format, "the file is empty");
+  const std::size_t magic_bytes = std::min(bytes.size(), sizeof header.magic);
+  if (std::memcmp(bytes.data(), FileHeader::expected_magic.data(), magic_bytes) != 0) {
+    raise(Error::bad_format, "this is not a .kerf file");
+  }
+  if (bytes.size() < sizeof header) raise(Error::bad_format, "the file is truncated within its header");
+  std::memcpy(&header, bytes.data(), sizeof header);
+  if (header.byte_order == std::uint32_t{0x04030201}) {
+    raise(Error::bad_format, "the file was written on a machine with the other byte order");
+  }
+  if (header.byte_order != FileHeader::native_byte_order)
+    raise(Error::bad_format, "the byte order mark is damaged");
+  if (header.version != FileHeader::current_version) {
+    raise(Error::bad_format, "the file has format version %u, but this kerf reads version %u", header.version,
+          FileHeader::current_version);
+  }
+  if (header.header_checksum != checksum(before_checksum(header)))
+    raise(Error::bad_format, "the header is damaged: wrong checksum");
+  // From here on a wrong value was put there on purpose.
+  constexpr std::uint64_t max_words =
+      words_per_triangle * std::uint64_t{ChildLink::max_place} + leaf_padding_words;
+  if (header.leaf_words > max_words || header.nodes > ChildLink::max_place)
+    raise(Error::bad_format, "the header names impossible sizes");
+  if (header.zero != 0) raise(Error::bad_format, "the header has something where a zero belongs");
+  if (header.file_bytes != FileLayout(header).file_bytes)
+    raise(Error::bad_format, "the sizes in the header do not add up");
+  if (header.file_bytes != file_bytes) {
+    raise(Error::bad_format, "the file has %llu bytes, but should have %llu",
+          static_cast<unsigned long long>(file_bytes), static_cast<unsigned long long>(header.file_bytes));
+  }
+  return header;
+}
+
+}  // namespace kerf

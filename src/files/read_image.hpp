@@ -1,0 +1,17 @@
+// A .kerf file in memory becomes a structure.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+#include "structure.hpp"
+
+namespace kerf {
+
+/// The structure in `image`, a whole file at an address that is a multiple of 64. It is not copied: the
+/// structure's arrays lie in `image`, whose memory `owner` keeps. Throws `Error::bad_format` unless every
+/// checksum is right and `check_structure` finds nothing.
+std::shared_ptr<Structure> read_image(std::span<const std::byte> image, std::shared_ptr<const void> owner);
+
+}  // namespace kerf

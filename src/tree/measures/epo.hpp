@@ -1,0 +1,17 @@
+// End-point overlap: the cost of the nodes that hold a point of the surface though no triangle below them
+// does. <kerf/inspect.hpp> has the formula.
+#pragma once
+
+#include "tree/binary_tree.hpp"
+#include "tree/geometry.hpp"
+
+namespace kerf {
+
+/// As Aila, Karras & Laine 2013, section 4, define it, for trees whose leaves hold parts of triangles as
+/// well. A triangle belongs to a subtree if any leaf of the subtree references it. A part of a triangle that
+/// lies in the box of a node but is referenced by a leaf elsewhere is thus no overlap: a ray that ends there
+/// may find the triangle in either place. The measure is the same function of boxes and references for every
+/// builder, and for trees without spatial splits exactly the paper's. 0 for an empty tree.
+double end_point_overlap(const BinaryTree& tree, const Geometry& geometry);
+
+}  // namespace kerf
