@@ -21,7 +21,7 @@ bool holds(const Box3f& box, const double (&p)[3], double scale) {
   return true;
 }
 
-class Chop : public testing::Test {
+class Clip : public testing::Test {
  protected:
   // Chops random triangles, stretched by `stretch`, again and again. Every point must lie in one of the
   // boxes.
@@ -62,23 +62,23 @@ class Chop : public testing::Test {
   }
 };
 
-TEST_F(Chop, LosesNoPointOfATriangle) {
+TEST_F(Clip, LosesNoPointOfATriangle) {
   expect_no_point_lost(1.0f, {1, 1, 1}, {0, 0, 0});
 }
-TEST_F(Chop, LosesNoPointOfASliver) {
+TEST_F(Clip, LosesNoPointOfASliver) {
   expect_no_point_lost(1.0f, {1, 1e-6f, 1e-3f}, {0, 0, 0});
 }
-TEST_F(Chop, LosesNoPointFarFromTheOrigin) {
+TEST_F(Clip, LosesNoPointFarFromTheOrigin) {
   expect_no_point_lost(1.0f, {1, 1, 1}, {1000, -3000, 7});
 }
-TEST_F(Chop, LosesNoPointOfATinyTriangle) {
+TEST_F(Clip, LosesNoPointOfATinyTriangle) {
   expect_no_point_lost(1e-9f, {1, 1, 1}, {0, 0, 0});
 }
-TEST_F(Chop, LosesNoPointOfAHugeTriangle) {
+TEST_F(Clip, LosesNoPointOfAHugeTriangle) {
   expect_no_point_lost(1e9f, {1, 1, 1}, {0, 0, 0});
 }
 
-TEST_F(Chop, PartsMeetAtThePlaneAndNoneLeavesTheBox) {
+TEST_F(Clip, PartsMeetAtThePlaneAndNoneLeavesTheBox) {
   const Triangle triangle{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};
   const auto [left, right] = kerf::chop(triangle, kerf::bounds_of(triangle), 0, 1.0f);
   EXPECT_EQ(left, (Box3f{{0, 0, 0}, {1, 4, 0}}));
@@ -88,14 +88,14 @@ TEST_F(Chop, PartsMeetAtThePlaneAndNoneLeavesTheBox) {
   EXPECT_GE(right.upper.y, 3.0f);
 }
 
-TEST_F(Chop, SideThatTheTriangleDoesNotReachIsEmpty) {
+TEST_F(Clip, SideThatTheTriangleDoesNotReachIsEmpty) {
   const Triangle triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const auto [left, right] = kerf::chop(triangle, kerf::bounds_of(triangle), 2, -1.0f);
   EXPECT_TRUE(left.empty());
   EXPECT_EQ(right, kerf::bounds_of(triangle));
 }
 
-TEST_F(Chop, VectorsGiveTheSamePartsAsScalars) {
+TEST_F(Clip, VectorsGiveTheSamePartsAsScalars) {
   const kerf_tests::Mesh mesh = kerf_tests::random_triangles(500, 0.5f, 0.1f);
   const kerf::TriangleMesh view = mesh.mesh();
   const kerf::Geometry geometry(std::span(&view, 1));

@@ -5,8 +5,8 @@
 
 namespace kerf {
 
-/// The `Presplit` of early split clipping: a box with a surface area above the threshold is cut at the middle
-/// of its longest axis, its triangle is clipped to both halves, and these are cut in turn.
+/// The `SplitReferences` of early split clipping: a box with a surface area above the threshold is cut at the
+/// middle of its longest axis, its triangle is clipped to both halves, and these are cut in turn.
 std::vector<Reference> split_by_area(const Geometry& geometry, std::vector<Reference> references,
                                      std::size_t limit);
 

@@ -6,8 +6,9 @@
 
 namespace kerf {
 
-/// The `Presplit` of the edge volume heuristic: while the axis-aligned box of an edge of the triangle has a
-/// volume above the threshold, the triangle is cut in two at the middle of the edge with the largest volume.
+/// The `SplitReferences` of the edge volume heuristic: while the axis-aligned box of an edge of the triangle
+/// has a volume above the threshold, the triangle is cut in two at the middle of the edge with the largest
+/// volume.
 std::vector<Reference> split_by_edge_volume(const Geometry& geometry, std::vector<Reference> references,
                                             std::size_t limit);
 

@@ -17,7 +17,8 @@ std::size_t reference_limit(const BuildOptions& options, std::size_t triangles) 
 
 }  // namespace
 
-BinaryTree construct_presplit(const Geometry& geometry, const BuildOptions& options, Presplit* presplit) {
+BinaryTree construct_presplit(const Geometry& geometry, const BuildOptions& options,
+                              SplitReferences* presplit) {
   Input input = make_references(geometry);
   const std::size_t limit = reference_limit(options, input.references.size());
   BinaryTree tree =

@@ -15,10 +15,11 @@ namespace kerf {
 
 /// Makes references to parts of triangles out of references to whole triangles of `geometry`: as many as the
 /// smallest threshold allows under which there are no more than `limit`.
-using Presplit = std::vector<Reference>(const Geometry& geometry, std::vector<Reference> references,
-                                        std::size_t limit);
+using SplitReferences = std::vector<Reference>(const Geometry& geometry, std::vector<Reference> references,
+                                               std::size_t limit);
 
 /// Builds a tree of object splits over the references that `presplit` makes, as many as `options` allow.
-BinaryTree construct_presplit(const Geometry& geometry, const BuildOptions& options, Presplit* presplit);
+BinaryTree construct_presplit(const Geometry& geometry, const BuildOptions& options,
+                              SplitReferences* presplit);
 
 }  // namespace kerf

@@ -61,7 +61,7 @@ bool fits(const Rule& rule, const std::vector<Reference>& references, double thr
 template <class Rule>
 double find_threshold(const Rule& rule, const std::vector<Reference>& references, std::size_t limit) {
   constexpr std::uint64_t infinity = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
-  // Thresholds that differ in no more than the last 24 of 52 bits are not told apart.
+  // Thresholds that differ only in the last 24 of 52 bits count as equal.
   constexpr std::uint64_t step = std::uint64_t{1} << 24;
   std::uint64_t below = 0, above = infinity / step;
   while (above - below > 1) {

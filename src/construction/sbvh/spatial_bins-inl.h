@@ -1,4 +1,4 @@
-// Spatial splits, the first look: references in bins, and the plane of each axis that promises most.
+// Spatial splits, first step: references in bins, and the most promising plane of each axis.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_CONSTRUCTION_SBVH_SPATIAL_BINS_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -140,7 +140,7 @@ HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3
   }
   x = y = z = empty_box();
   auto left = hn::Zero(i32x4), right = hn::Set(i32x4, static_cast<std::int32_t>(count));
-  const Float4 most = hn::Set(f32x4, static_cast<float>(count) + static_cast<float>(slack));
+  const Float4 max_count = hn::Set(f32x4, static_cast<float>(count) + static_cast<float>(slack));
   Float4 best_cost = hn::Set(f32x4, infinity), best_number = hn::Zero(f32x4);
   for (int i = 1; i < spatial_bin_count; ++i) {
     x = merge(x, bins.begins.box(0, i - 1));
@@ -153,7 +153,7 @@ HWY_NOINLINE PlaneCandidates cheapest_planes(const SpatialBins& bins, const Box3
                                          intersect(z, before[2].at(i)));
     const Float4 cost =
         hn::Add(hn::Mul(left_areas, left_count), hn::Mul(hn::Load(f32x4, right_areas[i]), right_count));
-    const auto better = hn::And(hn::Lt(cost, best_cost), hn::Le(hn::Add(left_count, right_count), most));
+    const auto better = hn::And(hn::Lt(cost, best_cost), hn::Le(hn::Add(left_count, right_count), max_count));
     best_cost = hn::IfThenElse(better, cost, best_cost);
     best_number = hn::IfThenElse(better, hn::Set(f32x4, static_cast<float>(i)), best_number);
   }

@@ -13,12 +13,12 @@
 namespace kerf {
 namespace {
 
-class PresplitBuild : public LongTriangles {};
+class Presplit : public LongTriangles {};
 
-TEST_F(PresplitBuild, ComesNearTheLimitAndNeverAboveIt) {
+TEST_F(Presplit, ComesNearTheLimitAndNeverAboveIt) {
   const TriangleMesh m = mesh();
   const Geometry geometry({&m, 1});
-  for (Presplit* const split : {split_by_area, split_by_edge_volume}) {
+  for (SplitReferences* const split : {split_by_area, split_by_edge_volume}) {
     for (const std::size_t limit : {500u, 501u, 700u, 1500u, 4000u}) {
       const std::size_t count = split(geometry, make_references(geometry).references, limit).size();
       EXPECT_LE(count, limit);
@@ -27,10 +27,10 @@ TEST_F(PresplitBuild, ComesNearTheLimitAndNeverAboveIt) {
   }
 }
 
-TEST_F(PresplitBuild, LeavesAllWholeWhereTheLimitHasNoRoom) {
+TEST_F(Presplit, LeavesAllWholeWhereTheLimitHasNoRoom) {
   const TriangleMesh m = mesh();
   const Geometry geometry({&m, 1});
-  for (Presplit* const split : {split_by_area, split_by_edge_volume}) {
+  for (SplitReferences* const split : {split_by_area, split_by_edge_volume}) {
     const auto parts = split(geometry, make_references(geometry).references, 100);
     ASSERT_EQ(parts.size(), triangles.size());
     for (std::uint32_t i = 0; i < parts.size(); ++i)
@@ -38,7 +38,7 @@ TEST_F(PresplitBuild, LeavesAllWholeWhereTheLimitHasNoRoom) {
   }
 }
 
-TEST_F(PresplitBuild, PartsCoverTheirTriangles) {
+TEST_F(Presplit, PartsCoverTheirTriangles) {
   const TriangleMesh m = mesh();
   const Geometry geometry({&m, 1});
   for (const Builder builder : {Builder::esc, Builder::evh}) {
@@ -52,7 +52,7 @@ TEST_F(PresplitBuild, PartsCoverTheirTriangles) {
   }
 }
 
-TEST_F(PresplitBuild, ChangesNoHit) {
+TEST_F(Presplit, ChangesNoHit) {
   BuildOptions options;
   options.builder = Builder::bvh;
   const Bvh whole = build(mesh(), options);
@@ -74,7 +74,7 @@ TEST_F(PresplitBuild, ChangesNoHit) {
   EXPECT_GT(hits, 200);
 }
 
-TEST_F(PresplitBuild, OnExtremeCoordinatesEnds) {
+TEST_F(Presplit, OnExtremeCoordinatesEnds) {
   for (const float scale : {1e-30f, 1e9f, 3e37f}) {
     auto scaled = vertices;
     for (auto& v : scaled) {
@@ -82,7 +82,7 @@ TEST_F(PresplitBuild, OnExtremeCoordinatesEnds) {
     }
     const TriangleMesh m{.vertices = scaled, .triangles = triangles};
     const Geometry geometry({&m, 1});
-    for (Presplit* const split : {split_by_area, split_by_edge_volume}) {
+    for (SplitReferences* const split : {split_by_area, split_by_edge_volume}) {
       const std::size_t count = split(geometry, make_references(geometry).references, 1000).size();
       EXPECT_LE(count, 1000u);
       EXPECT_GE(count, 998u);
@@ -91,7 +91,7 @@ TEST_F(PresplitBuild, OnExtremeCoordinatesEnds) {
 }
 
 // Parts as small as rounding: halving one edge does not shorten the others.
-TEST_F(PresplitBuild, AnyLimitIsReached) {
+TEST_F(Presplit, AnyLimitIsReached) {
   for (const float scale : {1.0f, 1e-6f}) {
     std::vector<std::array<float, 3>> corners;
     std::mt19937 random(9);
@@ -100,7 +100,7 @@ TEST_F(PresplitBuild, AnyLimitIsReached) {
       corners.push_back({place(random), 1.0f + place(random), place(random) * 1e-3f});
     const TriangleMesh m{.vertices = corners, .triangles = std::span(triangles).first(20)};
     const Geometry geometry({&m, 1});
-    for (Presplit* const split : {split_by_area, split_by_edge_volume}) {
+    for (SplitReferences* const split : {split_by_area, split_by_edge_volume}) {
       EXPECT_LE(split(geometry, make_references(geometry).references, 100'000).size(), 100'000u);
     }
   }
