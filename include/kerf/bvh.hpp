@@ -54,7 +54,9 @@ class KERF_API Bvh {
   Bvh& operator=(Bvh&& other) noexcept;
   ~Bvh() = default;
 
-  /// The closest hit in `[ray.t_min, ray.t_max]`. Of several at the same t, the lowest mesh and triangle.
+  /// The closest hit in `[ray.t_min, ray.t_max]`. Of several at the same t, the lowest mesh and triangle. t
+  /// is within one unit in the last place of the exact crossing, its sign exact; every call gives the same t,
+  /// u and v for a ray and a triangle (docs/algorithms.md).
   std::optional<Hit> intersect(const Ray& ray) const;
 
   /// True if anything is hit in `[ray.t_min, ray.t_max]`.

@@ -23,7 +23,7 @@ namespace kerf {
 ///
 ///     the shear of a triangle's vertices      6 D     (a difference, a quotient, a product, a difference)
 ///     inverse, the plane's distance           2 D
-///     the triangle's t: weights, mean        13 D     (each a difference of two products, two products more)
+///     the triangle's t                       144 D     (24 times the shear, see `CrossingEstimate`)
 ///     plane times inverse, where not fused    1 D + 1 O
 ///     origin times inverse, the constants             2 O
 ///     directions raised to the minimum        1/4 D
@@ -31,7 +31,7 @@ namespace kerf {
 /// Up to rounding, the triangle's t itself lies in the grown box, so that culling by t is right, too.
 struct RayBoxes {
   /// At least the sums of D and of O.
-  static constexpr float margin_of_distance = 24.0f, margin_of_origin = 4.0f;
+  static constexpr float margin_of_distance = 160.0f, margin_of_origin = 4.0f;
 
   Vec3f inverse, enter, leave;
   float distance = 0.0f;  ///< D

@@ -7,6 +7,7 @@
 
 #include <kerf/ray.hpp>
 
+#include "math/ray_crossing.hpp"
 #include "math/triangle.hpp"
 #include "math/vec3f.hpp"
 
@@ -61,37 +62,56 @@ inline float difference_of_products(float a, float b, float c, float d) {
 struct SinglePrecision {
   static constexpr float min_sign = 0x1p-100f;  // of an edge function, for its sign
   static constexpr float min_value = 0x1p-60f;  // for its value, too
-  static constexpr float max_value = 0x1p126f;  // of the determinant and of t
+  static constexpr float max_value = 0x1p126f;  // of the determinant
 };
 
-/// `intersect_triangle` where single precision does not suffice. Products of two floats are exact in double
-/// precision, so that a ray that meets an edge or a vertex exactly is recognised.
-inline bool intersect_exactly(const ShearedCorner& a, const ShearedCorner& b, const ShearedCorner& c,
-                              float dz, float t_min, float t_max, Hit& hit) {
-  const double u = static_cast<double>(c.x) * b.y - static_cast<double>(c.y) * b.x;
-  const double v = static_cast<double>(a.x) * c.y - static_cast<double>(a.y) * c.x;
-  const double w = static_cast<double>(b.x) * a.y - static_cast<double>(b.y) * a.x;
-  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
-  const double inverse = 1.0 / (u + v + w);
-  const double z = u * a.z + v * b.z + w * c.z;
-  const auto t = static_cast<float>(z * inverse / dz);
-  if (!(t >= t_min && t <= t_max)) return false;  // true of a triangle seen edge-on: its determinant is 0
-  hit.t = t;
-  hit.u = static_cast<float>(v * inverse);
-  hit.v = static_cast<float>(w * inverse);
-  return true;
+/// How a ray that passes a triangle within its edges, as they stand after the shear, weighs the corners: by
+/// the edge functions opposite to them, all of one sign.
+struct Weights {
+  double a, b, c;
+};
+
+/// The weights in double precision, where products of two floats are exact, so that edges and vertices which
+/// the ray meets exactly are told. False if the ray passes outside, or sees the triangle edge-on.
+inline bool weigh_exactly(const ShearedCorner& a, const ShearedCorner& b, const ShearedCorner& c,
+                          Weights& weights) {
+  weights.a = static_cast<double>(c.x) * b.y - static_cast<double>(c.y) * b.x;
+  weights.b = static_cast<double>(a.x) * c.y - static_cast<double>(a.y) * c.x;
+  weights.c = static_cast<double>(b.x) * a.y - static_cast<double>(b.y) * a.x;
+  const auto& [u, v, w] = weights;
+  return !((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) && u + v + w != 0;
+}
+
+/// Where a ray hits a triangle that it passes within its edges, after the shear.
+///
+/// The shear moves corners by roundings, so that a triangle which is seen nearly edge-on may be hit although
+/// the ray does not meet it, and its plane only far away. Then the hit is the triangle's point that the
+/// weights name: it lies beside the ray. In all other cases it is where the ray crosses the plane.
+inline RayCrossing hit_crossing(const Vec3f& o, const Vec3f& d, const Triangle& triangle,
+                                const RayShear& shear, const Weights& weights) {
+  const CrossingEstimate estimate = estimate_crossing(o, d, triangle);
+  const bool steep = estimate.steep();
+  if (steep && estimate.precise()) return estimate.crossing(estimate.height);
+  RayCrossing crossing;
+  if (cross_exactly(o, d, triangle, crossing)) return crossing;
+  if (steep) return estimate.crossing(height_above(o, triangle));
+  const int z = shear.kz;
+  const double sum = weights.a + weights.b + weights.c;
+  const double height = weights.a * (triangle.v0[z] - o[z]) + weights.b * (triangle.v1[z] - o[z]) +
+                        weights.c * (triangle.v2[z] - o[z]);
+  return round_crossing(height / sum / shear.dz, weights.b / sum, weights.c / sum);
 }
 
 /// Makes `hit` the crossing of the ray with `triangle` if that lies in `[t_min, t_max]`. Only t, u and v are
 /// written.
 ///
-/// The decision is exact for the sheared triangle. The shear rounds each vertex to single precision in the
-/// same way for all triangles that share it, so that a ray that meets a closed surface hits a triangle. The
-/// weights are nearly exact, too: however thin the triangle, t is the distance of one of its points that lies
-/// within the shear's rounding of the ray. So t fits the boxes in which traversal finds the triangle
-/// (`RayBoxes` has the sum).
-inline bool intersect_triangle(const RayShear& shear, const Vec3f& origin, const Triangle& triangle,
-                               float t_min, float t_max, Hit& hit) {
+/// Which triangles are hit is exact for them as they stand after the shear, whose corners are rounded to
+/// single precision, each in one way for all the triangles that share it: a ray that meets a closed surface
+/// hits a triangle. The weights are near exact, too, so that they name a point of the triangle that lies
+/// within the shear's rounding of the ray, however thin the triangle. Where the hit lies is exact for the
+/// triangle as it is given, but for the rounding to floats.
+inline bool intersect_triangle(const RayShear& shear, const Vec3f& origin, const Vec3f& direction,
+                               const Triangle& triangle, float t_min, float t_max, Hit& hit) {
   const ShearedCorner a(shear, origin, triangle.v0), b(shear, origin, triangle.v1),
       c(shear, origin, triangle.v2);
   const float u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
@@ -100,16 +120,15 @@ inline bool intersect_triangle(const RayShear& shear, const Vec3f& origin, const
   if (smallest < -SinglePrecision::min_sign && largest > SinglePrecision::min_sign) return false;
 
   const float determinant = u + v + w;
-  const float inverse = 1.0f / determinant;
-  const float t = (u * a.z + v * b.z + w * c.z) * inverse * shear.inverse_dz;
   const bool trusted = (smallest > SinglePrecision::min_value || largest < -SinglePrecision::min_value) &&
-                       std::abs(determinant) < SinglePrecision::max_value &&
-                       std::abs(t) < SinglePrecision::max_value;
-  if (!trusted) return intersect_exactly(a, b, c, shear.dz, t_min, t_max, hit);
-  if (!(t >= t_min && t <= t_max)) return false;
-  hit.t = t;
-  hit.u = v * inverse;
-  hit.v = w * inverse;
+                       std::abs(determinant) < SinglePrecision::max_value;
+  Weights weights{u, v, w};
+  if (!trusted && !weigh_exactly(a, b, c, weights)) return false;
+  const RayCrossing crossing = hit_crossing(origin, direction, triangle, shear, weights);
+  if (!(crossing.t >= t_min && crossing.t <= t_max)) return false;
+  hit.t = crossing.t;
+  hit.u = crossing.u;
+  hit.v = crossing.v;
   return true;
 }
 

@@ -9,6 +9,7 @@
 #include <kerf/ray.hpp>
 
 #include "base/out_of_memory.hpp"
+#include "math/ray_crossing.hpp"
 #include "math/vec3f.hpp"
 #include "queries/line_crossing.hpp"
 #include "queries/small_vector.hpp"
@@ -47,9 +48,6 @@ void for_each_crossing(const Structure& structure, Ray ray, Visit&& visit) {
     std::push_heap(queue.begin(), queue.end(), later);
   };
 
-  const auto rounded = [](double t) {
-    return static_cast<float>(std::min(t, static_cast<double>(std::numeric_limits<float>::max()))) + 0.0f;
-  };
   const PreparedLine line(ray);
   push({ray.t_min, 0, ChildLink::node(0), 0.0f, 0.0f});
   Item last{-1.0f, 0, {}, 0.0f, 0.0f};
@@ -66,16 +64,10 @@ void for_each_crossing(const Structure& structure, Ray ray, Visit&& visit) {
            rest &= rest - 1) {
         const auto place = static_cast<std::uint32_t>(std::countr_zero(rest));
         const Triangle triangle = triangle_in(bvh, item.link, place);
-        const auto crossing = cross_line(ray.origin, ray.direction, triangle);
-        if (!crossing || order_against(*crossing, ray.t_min, ray.origin, ray.direction, triangle) < 0 ||
-            order_against(*crossing, ray.t_max, ray.origin, ray.direction, triangle) > 0) {
-          continue;
-        }
-        const Item found{rounded(crossing->t),
-                         1 + triangle_id(bvh, item.link, place),
-                         {},
-                         static_cast<float>(crossing->u),
-                         static_cast<float>(crossing->v)};
+        if (!line_crosses(ray.origin, ray.direction, triangle)) continue;
+        const RayCrossing crossing = crossing_of(ray.origin, ray.direction, triangle);
+        if (!(crossing.t >= ray.t_min && crossing.t <= ray.t_max)) continue;
+        const Item found{crossing.t, 1 + triangle_id(bvh, item.link, place), {}, crossing.u, crossing.v};
         if (later(found, last)) push(found);
       }
     } else {

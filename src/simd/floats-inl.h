@@ -76,6 +76,13 @@ KERF_FLOATS_BINARY(operator/, hn::Div)
 KERF_FLOATS_BINARY(maximum, hn::Max)
 #undef KERF_FLOATS_BINARY
 
+template <std::size_t count>
+HWY_INLINE Floats<count> absolute(const Floats<count>& a) {
+  Floats<count> r;
+  for (std::size_t i = 0; i < r.vectors; ++i) r.vector[i] = hn::Abs(a.vector[i]);
+  return r;
+}
+
 template <class Tag>
 HWY_INLINE std::uint32_t bits(Tag tag, hn::Mask<Tag> mask) {
   alignas(8) std::uint8_t bytes[8] = {};

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "math/ray_crossing.hpp"
 #include "queries/line_crossing.hpp"
 #include "support/adversarial.hpp"
 #include "support/build_options.hpp"
@@ -150,8 +151,9 @@ TEST(CrossingExactness, NoCrossingSeemsToComeBeforeItsBox) {
                         uniform_point(random, size * power(-9, -1));
     const Vec3f origin = at - power(-1, 6) * along;
     const Vec3f direction = at - origin;
-    const auto crossing = kerf::cross_line(origin, direction, triangle);
-    if (!crossing || crossing->t < 0.0) continue;
+    if (!line_crosses(origin, direction, triangle)) continue;
+    const float t_crossing = crossing_of(origin, direction, triangle).t;
+    if (t_crossing < 0.0f) continue;
     ++crossings;
     const Box3f box = bounds_of(triangle);
     WideNode node{};
@@ -164,7 +166,7 @@ TEST(CrossingExactness, NoCrossingSeemsToComeBeforeItsBox) {
     float entry[wide_node_children];
     const PreparedLine line({.origin = origin, .direction = direction});
     ASSERT_EQ(choose_kernels().line_meets(node, line, entry), 0xffffu);
-    for (const float t : entry) ASSERT_LE(t, static_cast<float>(crossing->t));
+    for (const float t : entry) ASSERT_LE(t, t_crossing);
   }
   EXPECT_GT(crossings, 20000);
 }
@@ -182,7 +184,7 @@ TEST(CrossingExactness, AFanOwnsItsHubOnce) {
     for (const Vec3f at : {hub, 0.5f * (hub + rim[round % 4])}) {
       int crossed = 0;
       for (int i = 0; i < 4; ++i) {
-        crossed += cross_line(at + Vec3f{0, 0, 9}, direction, {hub, rim[i], rim[(i + 1) % 4]}).has_value();
+        crossed += line_crosses(at + Vec3f{0, 0, 9}, direction, {hub, rim[i], rim[(i + 1) % 4]});
       }
       EXPECT_EQ(crossed, 1);
     }

@@ -18,7 +18,8 @@ inline std::optional<kerf::Hit> brute_force(const kerf::TriangleMesh& mesh, cons
   best.t = ray.t_max;
   for (std::uint32_t i = 0; i < geometry.triangle_count(); ++i) {
     kerf::Hit hit;
-    if (!intersect_triangle(shear, ray.origin, geometry.triangle(i), ray.t_min, best.t, hit)) continue;
+    if (!intersect_triangle(shear, ray.origin, ray.direction, geometry.triangle(i), ray.t_min, best.t, hit))
+      continue;
     hit.primitive = i;
     hit.mesh = 0;
     if (hit.t < best.t || hit.primitive < best.primitive) best = hit;

@@ -43,7 +43,7 @@ std::uint32_t line_meets(const WideNode& node, const PreparedLine& line, float* 
   const DoubleTag tag;
   const hn::Rebind<float, DoubleTag> narrow;
   // A difference, a reciprocal and a product give each distance a relative error of up to 3 * 2^-53.
-  const auto late = hn::Set(tag, 1.0 + 8.0 / 9007199254740992.0), early = hn::Set(tag, 1.0 - 0x1p-24);
+  const auto late = hn::Set(tag, 1.0 + 8.0 / 9007199254740992.0), early = hn::Set(tag, 1.0 - 0x1p-23);
   const double inverses[3] = {line.inverse.x, line.inverse.y, line.inverse.z};
   std::uint32_t met = 0;
   for (std::size_t i = 0; i < wide_node_children; i += double_lanes) {

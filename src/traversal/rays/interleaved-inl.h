@@ -40,7 +40,7 @@ class Interleaved {
   struct RayState {
     WideRay ray;
     StoredNodeConstants node_constants;
-    Hit best;
+    Nearest best;
     std::size_t result;  // where the hit goes
     std::uint32_t link;
     std::size_t depth;
@@ -72,7 +72,9 @@ class Interleaved {
       for (std::uint32_t i = 0; i < round.leaves; ++i) {
         const std::uint32_t index = round.at_leaf[i];
         if (states_[index].link == Stack<1>::bottom) {
-          finish(states_[index].result, states_[index].best);
+          const RayState& state = states_[index];
+          finish(state.result, any_hit ? Hit{.primitive = state.best.primitive}
+                                       : settled_hit(bvh_, rays_[state.result], state.best));
           start(index, lists, finish, single);
         } else {
           test(index, lists);
@@ -94,12 +96,11 @@ class Interleaved {
         continue;
       }
       state.node_constants.set(state.ray);
-      state.best = Hit{};
       if (!(ray.t_min <= ray.t_max)) {
-        finish(i, state.best);
+        finish(i, Hit{});
         continue;
       }
-      state.best.t = std::min(ray.t_max, std::numeric_limits<float>::max());
+      state.best = Nearest(std::min(ray.t_max, std::numeric_limits<float>::max()));
       state.result = i;
       state.stack.link[0] = Stack<1>::bottom;
       state.stack.t[0] = -std::numeric_limits<float>::infinity();
@@ -131,7 +132,7 @@ class Interleaved {
   HWY_INLINE void step(std::uint32_t index, Lists& lists) {
     RayState& state = states_[index];
     const WideNode& node = bvh_.nodes[state.link];
-    const Spans spans = meet_boxes(state.node_constants, box_vector(state.best.t), node);
+    const Spans spans = meet_boxes(state.node_constants, box_vector(state.best.last), node);
     const std::size_t before = state.depth;
     std::size_t depth = before;
     const std::uint32_t older = state.stack.link[before - 1];
@@ -164,7 +165,7 @@ class Interleaved {
   HWY_INLINE void cull(RayState& state) {
     const FloatTag floats;
     const hn::RebindToUnsigned<FloatTag> integers;
-    const auto t_best = hn::Set(floats, state.best.t);
+    const auto t_best = hn::Set(floats, state.best.last);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < state.depth; i += hn::Lanes(floats)) {
       const auto t = hn::LoadU(floats, state.stack.t + i);

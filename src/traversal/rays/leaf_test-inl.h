@@ -31,31 +31,84 @@ HWY_INLINE Sheared shear(const LeafConstants& ray, const float* vertex_rows, std
           load(vertex_rows + ray.axis[1] * count) - ray.origin[1] - ray.sy * z, z};
 }
 
-// Whether the hit at t comes before `best`. At the same t, the triangle with the lower number does.
-HWY_INLINE bool is_before(float t, std::uint32_t primitive, const Hit& best) {
-  return t < best.t || (t == best.t && primitive < best.primitive);
+// The nearest triangle found so far. Its t is known to lie between two bounds, which is enough to go on with;
+// what it is exactly is computed when another triangle's might be less, and when the ray is done. So no
+// branch waits for double precision.
+struct Nearest {
+  float first, last;  // bounds of t; t itself where both are the same
+  std::uint32_t primitive = invalid_id;
+  std::uint32_t link = 0, lane = 0;  // where the triangle stands
+
+  explicit Nearest(float t_max = 0.0f) : first(t_max), last(t_max) {}
+};
+
+// t, u and v of triangle `i` of a leaf. Out of line, as all that follows is: with nothing by reference that
+// is in registers otherwise.
+HWY_NOINLINE HWY_ATTR RayCrossing hit_exactly(const Triangle& triangle, const Ray& ray) {
+  const RayShear shear(ray.direction);
+  Hit hit;
+  const float infinity = std::numeric_limits<float>::infinity();
+  if (!intersect_triangle(shear, ray.origin, ray.direction, triangle, -infinity, infinity, hit))
+    return {infinity, 0.0f, 0.0f};
+  return {hit.t, hit.u, hit.v};
+}
+HWY_NOINLINE HWY_ATTR RayCrossing hit_in_leaf(const WideBvh& bvh, ChildLink leaf, std::uint32_t i,
+                                              const Ray& ray) {
+  const Triangle triangle = triangle_in(bvh, leaf, i);
+  const CrossingEstimate estimate = estimate_crossing(ray.origin, ray.direction, triangle);
+  if (HWY_LIKELY(estimate.steep() & estimate.precise())) return estimate.crossing(estimate.height);
+  return hit_exactly(triangle, ray);
 }
 
-// Tests the triangles in `lanes` one by one: the few that single precision leaves open. Out of line, and
-// without references to what would then no longer be kept in registers.
-HWY_NOINLINE HWY_ATTR Hit intersect_one_by_one(const WideBvh& bvh, ChildLink leaf, std::uint32_t lanes,
-                                               const Ray& ray, float t_min, Hit best) {
+HWY_INLINE Hit settled_hit(const WideBvh& bvh, const Ray& ray, const Nearest& nearest) {
+  if (nearest.primitive == invalid_id) return Hit{};
+  const RayCrossing crossing = hit_in_leaf(bvh, ChildLink(nearest.link), nearest.lane, ray);
+  return {.t = crossing.t, .u = crossing.u, .v = crossing.v, .primitive = nearest.primitive};
+}
+
+// Triangle `i`, whose t may be less than that of `best` or not, or may lie before `t_min` or not. Of equal
+// ones the triangle with the lowest number is nearer.
+HWY_NOINLINE HWY_ATTR Nearest nearer_of(const WideBvh& bvh, ChildLink leaf, std::uint32_t i, const Ray& ray,
+                                        float t_min, Nearest best) {
+  const float t = hit_in_leaf(bvh, leaf, i, ray).t;
+  if (!(t >= t_min)) return best;
+  if (best.first != best.last)
+    best.first = best.last = hit_in_leaf(bvh, ChildLink(best.link), best.lane, ray).t;
+  const std::uint32_t primitive = triangle_id(bvh, leaf, i);
+  if (t > best.first || (t == best.first && primitive >= best.primitive)) return best;
+  best.first = best.last = t;
+  best.primitive = primitive;
+  best.link = leaf.bits();
+  best.lane = i;
+  return best;
+}
+
+inline bool certainly_before(const CrossingEstimate& estimate, float t) {
+  return estimate.steep() &&
+         estimate.max_height() < 0.999 * static_cast<double>(t) * std::abs(estimate.slope);
+}
+
+// The triangles in `lanes` one by one: for the few that single precision leaves open.
+HWY_NOINLINE HWY_ATTR Nearest intersect_one_by_one(const WideBvh& bvh, ChildLink leaf, std::uint32_t lanes,
+                                                   const Ray& ray, float t_min, Nearest best) {
   const RayShear shear(ray.direction);
   for (; lanes != 0; lanes &= lanes - 1) {
     const auto i = static_cast<std::uint32_t>(std::countr_zero(lanes));
+    const Triangle triangle = triangle_in(bvh, leaf, i);
+    // All triangles around a corner that the ray begins at come here.
+    if (certainly_before(estimate_crossing(ray.origin, ray.direction, triangle), t_min)) continue;
     Hit hit;
-    if (!intersect_triangle(shear, ray.origin, triangle_in(bvh, leaf, i), t_min, best.t, hit)) continue;
-    hit.primitive = triangle_id(bvh, leaf, i);
-    if (is_before(hit.t, hit.primitive, best)) best = hit;
+    if (intersect_triangle(shear, ray.origin, ray.direction, triangle, t_min, best.last, hit))
+      best = nearer_of(bvh, leaf, i, ray, t_min, best);
   }
   return best;
 }
 
-// The operations of `intersect_triangle`, in its order, for all triangles of a leaf at once. Returns whether
-// `best` changed. For `any_hit`, t, u and v of `best` are not written.
+// `intersect_triangle` on all triangles of a leaf at once: the edge functions operation by operation, and t
+// to within bounds. Returns whether `best` changed; where any hit will do, that is all that `best` tells.
 template <bool any_hit>
 HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
-                               const Ray& ray, Hit& best) {
+                               const Ray& ray, Nearest& best) {
   using Limits = SinglePrecision;
   const std::uint32_t count = leaf.count();
   const std::uint32_t* words = bvh.leaves.data() + words_per_triangle * leaf.first();
@@ -73,33 +126,49 @@ HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bv
       less(constants.min_value, min_edge) | less(max_edge, broadcast(0.0f) - constants.min_value);
   bool changed = false;
   if (HWY_UNLIKELY((candidates & ~trusted) != 0)) {
-    const Hit hit = intersect_one_by_one(bvh, leaf, candidates & ~trusted, ray, constants.t_min, best);
-    changed = hit.t != best.t || hit.primitive != best.primitive;
-    best = hit;
+    const Nearest other = intersect_one_by_one(bvh, leaf, candidates & ~trusted, ray, constants.t_min, best);
+    changed = other.primitive != best.primitive;
+    best = other;
+    if (any_hit && changed) return true;
   }
+  // What t is for the point that the weights name, and how far from it the ray may cross the plane: the
+  // shear's rounding, times how much the triangle rises along the ray for each step across it.
   const Float8 inverse = broadcast(1.0f) / (u + v + w);
   const Float8 t = (u * a.z + v * b.z + w * c.z) * inverse * constants.inverse_dz;
-  std::uint32_t hits = candidates & trusted & less_or_equal(broadcast(constants.t_min), t) &
-                       less_or_equal(t, broadcast(best.t));
-  if (hits == 0) return changed;
-  const std::uint32_t* ids = words + 9 * count;
+  const Float8 rise = (absolute(b.x - a.x) + absolute(b.y - a.y)) * absolute(c.z - a.z) +
+                      (absolute(c.x - a.x) + absolute(c.y - a.y)) * absolute(b.z - a.z);
+  const Float8 error = constants.error_of_mean + constants.error_of_shear * rise * absolute(inverse);
+  const Float8 first = t - error, last = t + error;
+  const Float8 t_min = broadcast(constants.t_min), t_max = broadcast(best.last);
+  const std::uint32_t after_start = less_or_equal(t_min, first);
   if constexpr (any_hit) {
-    best.primitive = *ids;
-    return true;
+    if ((candidates & trusted & after_start & less_or_equal(last, t_max)) != 0) {
+      best.primitive = words[9 * count];
+      return true;
+    }
   }
-  alignas(64) float ts[8], us[8], vs[8];
-  store(t, ts);
-  store(v * inverse, us);
-  store(w * inverse, vs);
-  for (; hits != 0; hits &= hits - 1) {
-    const auto i = static_cast<std::size_t>(std::countr_zero(hits));
-    const std::uint32_t primitive = ids[i];
-    if (!is_before(ts[i], primitive, best)) continue;
-    best.t = ts[i];
-    best.u = us[i];
-    best.v = vs[i];
-    best.primitive = primitive;
-    changed = true;
+  std::uint32_t near = candidates & trusted & less_or_equal(t_min, last) & less_or_equal(first, t_max);
+  if (near == 0) return changed;
+  const std::uint32_t* ids = words + 9 * count;
+  alignas(32) float firsts[8], lasts[8];
+  store(first, firsts);
+  store(last, lasts);
+  for (; near != 0; near &= near - 1) {
+    const auto i = static_cast<std::uint32_t>(std::countr_zero(near));
+    if (!any_hit && HWY_LIKELY(((after_start >> i & 1) != 0) & (lasts[i] < best.first))) {
+      best.first = firsts[i];
+      best.last = lasts[i];
+      best.primitive = ids[i];
+      best.link = leaf.bits();
+      best.lane = i;
+      changed = true;
+      continue;
+    }
+    if (firsts[i] > best.last) continue;
+    const Nearest other = nearer_of(bvh, leaf, i, ray, constants.t_min, best);
+    changed |= other.primitive != best.primitive;
+    best = other;
+    if (any_hit && changed) return true;
   }
   return changed;
 }

@@ -137,19 +137,23 @@ class Packet {
     for (std::size_t a = 0; a < 3; ++a) {
       axis_[a] = axes.axis[a];
       shear_origin_[a] = origin[axes.axis[a]];
+      origin_[a] = origin[a];
+      direction_[a] = direction[a];
     }
     sx_ = hn::Div(direction[axis_[0]], direction[kz]);
     sy_ = hn::Div(direction[axis_[1]], direction[kz]);
-    dz_ = direction[kz];
-    inverse_dz_ = hn::Div(hn::Set(tag, 1.0f), dz_);
+    inverse_dz_ = hn::Div(hn::Set(tag, 1.0f), direction[kz]);
+    const V error = hn::Mul(hn::Mul(hn::Set(tag, 0x1p-24f), distance), hn::Abs(inverse_dz_));
+    error_of_mean_ = hn::Mul(hn::Set(tag, LeafConstants::mean_error), error);
+    error_of_shear_ = hn::Mul(hn::Set(tag, LeafConstants::shear_error), error);
+    rays_ = rays;
     t_min_ = hn::Max(t_min, zero);
-    t_best_ = hn::Min(t_max, hn::Set(tag, std::numeric_limits<float>::max()));
-    hn::Store(zero, tag, u_);
-    hn::Store(zero, tag, v_);
+    first_ = last_ = hn::Min(t_max, hn::Set(tag, std::numeric_limits<float>::max()));
     primitive_ = hn::Set(Bits(), invalid_id);
+    link_ = lane_ = hn::Zero(Bits());
     float unused;
     find_range(t_min_, t_first_, unused);
-    find_range(t_best_, unused, t_last_);
+    find_range(last_, unused, t_last_);
     return true;
   }
 
@@ -163,7 +167,7 @@ class Packet {
     while (depth > 0) {
       const Entry& entry = stack_[--depth];
       const ChildLink link(entry.link);
-      const M active = hn::And(hn::Le(hn::Load(tag, entry.t), t_best_), hn::LoadMaskBits(tag, entry.rays));
+      const M active = hn::And(hn::Le(hn::Load(tag, entry.t), last_), hn::LoadMaskBits(tag, entry.rays));
       if (hn::AllFalse(tag, active)) continue;
       ++visits_;
       active_ += hn::CountTrue(tag, active);
@@ -173,14 +177,16 @@ class Packet {
         open(link.node(), active, depth);
       }
     }
-    alignas(64) float t[width];
     alignas(64) std::uint32_t primitive[width];
-    const M hit = hn::RebindMask(tag, hn::Ne(primitive_, hn::Set(Bits(), invalid_id)));
-    hn::Store(hn::IfThenElse(hit, t_best_, hn::Set(tag, std::numeric_limits<float>::infinity())), tag, t);
     hn::Store(primitive_, Bits(), primitive);
-    for (std::size_t i = 0; i < width; ++i) {
-      finish(i, Hit{.t = t[i], .u = u_[i], .v = v_[i], .primitive = primitive[i]});
+    if constexpr (any_hit) {
+      for (std::size_t i = 0; i < width; ++i) finish(i, Hit{.primitive = primitive[i]});
+      return;
     }
+    alignas(64) float t[width], u[width], v[width];
+    settle(t, u, v);
+    for (std::size_t i = 0; i < width; ++i)
+      finish(i, Hit{.t = t[i], .u = u[i], .v = v[i], .primitive = primitive[i]});
   }
 
   // Whether enough rays of the last packet visited the same nodes for it to be worth while.
@@ -194,6 +200,9 @@ class Packet {
 
   // A step of the packet costs about as much as the steps of this many interleaved rays.
   static constexpr std::uint64_t min_active = 4;
+
+  // Of rays that hit the same triangle: fewer are settled one by one.
+  static constexpr int min_rays_at_once = 4;
 
   struct alignas(64) Entry {
     float t[width];
@@ -258,7 +267,7 @@ class Packet {
                           hn::Max(hn::MulAdd(plane(near_[2]), inverse_[2], enter_[2]), t_min_));
       const V end = hn::Min(hn::Min(hn::MulAdd(plane(far_[0]), inverse_[0], leave_[0]),
                                     hn::MulAdd(plane(far_[1]), inverse_[1], leave_[1])),
-                            hn::Min(hn::MulAdd(plane(far_[2]), inverse_[2], leave_[2]), t_best_));
+                            hn::Min(hn::MulAdd(plane(far_[2]), inverse_[2], leave_[2]), last_));
       const M in = hn::And(hn::Le(t, end), active);
       if (hn::AllFalse(tag, in)) continue;
       Entry& entry = stack_[depth++];
@@ -279,7 +288,94 @@ class Packet {
     return {hn::Sub(x, hn::Mul(sx_, z)), hn::Sub(y, hn::Mul(sy_, z)), z};
   }
 
-  // The operations of `intersect_triangle`, in its order, for each triangle of a leaf and the active rays.
+  // t, u and v of all hits: for all rays that hit the same triangle at once.
+  HWY_INLINE void settle(float* t, float* u, float* v) const {
+    const Tag tag;
+    hn::Store(hn::Set(tag, std::numeric_limits<float>::infinity()), tag, t);
+    hn::Store(hn::Zero(tag), tag, u);
+    hn::Store(hn::Zero(tag), tag, v);
+    alignas(64) std::uint32_t link[width], lane[width];
+    hn::Store(link_, Bits(), link);
+    hn::Store(lane_, Bits(), lane);
+    std::uint32_t rest = bits(Bits(), hn::Ne(primitive_, hn::Set(Bits(), invalid_id)));
+    while (rest != 0) {
+      const auto first = static_cast<std::size_t>(std::countr_zero(rest));
+      const ChildLink leaf(link[first]);
+      std::uint32_t same = rest & bits(Bits(), hn::And(hn::Eq(link_, hn::Set(Bits(), link[first])),
+                                                       hn::Eq(lane_, hn::Set(Bits(), lane[first]))));
+      rest &= ~same;
+      if (std::popcount(same) >= min_rays_at_once)
+        same &= ~settle_at_once(triangle_in(bvh_, leaf, lane[first]), same, t, u, v);
+      for (; same != 0; same &= same - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(same));
+        const RayCrossing crossing = hit_in_leaf(bvh_, leaf, lane[first], rays_[i]);
+        t[i] = crossing.t;
+        u[i] = crossing.u;
+        v[i] = crossing.v;
+      }
+    }
+  }
+
+  // `estimate_crossing` operation by operation, for half of the rays at a time. Returns the rays for which it
+  // is enough, a bit for each; for those in `which` t, u and v are written.
+  HWY_INLINE std::uint32_t settle_at_once(const Triangle& triangle, std::uint32_t which, float* t, float* u,
+                                          float* v) const {
+    using Doubles = hn::ScalableTag<double>;
+    using Half = hn::Rebind<float, Doubles>;
+    using D = hn::Vec<Doubles>;
+    const Doubles doubles;
+    const Half half;
+    const Vec3d e = difference(triangle.v1, triangle.v0), f = difference(triangle.v2, triangle.v0);
+    const Vec3d n = cross(e, f);
+    const double edges = largest_component(e) * largest_component(f), normal = largest_component(n);
+    if (!(normal >= (1.0 / CrossingEstimate::min_slope) * CrossingEstimate::min_precise * edges)) return 0;
+    std::uint32_t enough = 0;
+    for (std::size_t i = 0; i < width; i += hn::MaxLanes(doubles)) {
+      const auto widened = [&](const V& floats) HWY_ATTR {
+        return hn::PromoteTo(doubles, i == 0 ? hn::LowerHalf(half, floats) : hn::UpperHalf(half, floats));
+      };
+      const auto sum = [](D x, D y, D z) HWY_ATTR { return hn::Add(hn::Add(x, y), z); };
+      const auto times = [&](D x, double y) HWY_ATTR { return hn::Mul(x, hn::Set(doubles, y)); };
+      const auto largest = [](D x, D y, D z)
+                               HWY_ATTR { return hn::Max(hn::Max(hn::Abs(x), hn::Abs(y)), hn::Abs(z)); };
+      const D px = hn::Sub(hn::Set(doubles, double{triangle.v0.x}), widened(origin_[0])),
+              py = hn::Sub(hn::Set(doubles, double{triangle.v0.y}), widened(origin_[1])),
+              pz = hn::Sub(hn::Set(doubles, double{triangle.v0.z}), widened(origin_[2]));
+      const D dx = widened(direction_[0]), dy = widened(direction_[1]), dz = widened(direction_[2]);
+      const D height = sum(times(px, n.x), times(py, n.y), times(pz, n.z));
+      const D slope = sum(times(dx, n.x), times(dy, n.y), times(dz, n.z));
+      const D rx = hn::Sub(hn::Mul(dy, pz), hn::Mul(dz, py)), ry = hn::Sub(hn::Mul(dz, px), hn::Mul(dx, pz)),
+              rz = hn::Sub(hn::Mul(dx, py), hn::Mul(dy, px));
+      const D at_t = hn::Div(height, slope);
+      const D at_u = hn::Div(hn::Neg(sum(times(rx, f.x), times(ry, f.y), times(rz, f.z))), slope);
+      const D at_v = hn::Div(sum(times(rx, e.x), times(ry, e.y), times(rz, e.z)), slope);
+      const auto steep =
+          hn::Ge(hn::Abs(slope), times(times(largest(dx, dy, dz), CrossingEstimate::min_slope), normal));
+      const auto precise =
+          hn::Ge(hn::Abs(height), times(times(largest(px, py, pz), CrossingEstimate::min_precise), edges));
+      const D size = hn::Abs(at_t), zero = hn::Zero(doubles);
+      const auto in_range =
+          hn::And(hn::Ge(size, hn::Set(doubles, 0x1p-126)), hn::Lt(size, hn::Set(doubles, 0x1p127)));
+      const auto inside = hn::And(hn::And(hn::Ge(at_u, zero), hn::Ge(at_v, zero)),
+                                  hn::Le(hn::Add(at_u, at_v), hn::Set(doubles, 1.0)));
+      const auto fit = hn::And(hn::And(steep, precise), hn::And(in_range, inside));
+      enough |= bits(doubles, fit) << i;
+      alignas(64) float lanes[3][hn::MaxLanes(doubles)];
+      hn::Store(hn::DemoteTo(half, at_t), half, lanes[0]);
+      hn::Store(hn::DemoteTo(half, at_u), half, lanes[1]);
+      hn::Store(hn::DemoteTo(half, at_v), half, lanes[2]);
+      for (std::uint32_t rest = (enough & which) >> i & ((1u << hn::MaxLanes(doubles)) - 1); rest != 0;
+           rest &= rest - 1) {
+        const auto k = static_cast<std::size_t>(std::countr_zero(rest));
+        t[i + k] = lanes[0][k];
+        u[i + k] = lanes[1][k];
+        v[i + k] = lanes[2][k];
+      }
+    }
+    return enough;
+  }
+
+  // `intersect_leaf` for each triangle of a leaf and the active rays.
   HWY_INLINE void test(ChildLink leaf, M active) {
     const Tag tag;
     const std::uint32_t count = leaf.count();
@@ -297,71 +393,91 @@ class Packet {
       const M candidates = hn::AndNot(differ, active);
       if (hn::AllFalse(tag, candidates)) continue;
 
-      const std::uint32_t primitive = words[9 * count + i];
       const V determinant = hn::Add(hn::Add(u, v), w);
       const V inverse = hn::Div(hn::Set(tag, 1.0f), determinant);
       const V z = hn::Add(hn::Add(hn::Mul(u, a.z), hn::Mul(v, b.z)), hn::Mul(w, c.z));
       const V t = hn::Mul(hn::Mul(z, inverse), inverse_dz_);
-      const V limit = hn::Set(tag, SinglePrecision::max_value);
+      const auto apart = [](V p, V q) HWY_ATTR { return hn::Abs(hn::Sub(p, q)); };
+      const V rise = hn::Add(hn::Mul(hn::Add(apart(b.x, a.x), apart(b.y, a.y)), apart(c.z, a.z)),
+                             hn::Mul(hn::Add(apart(c.x, a.x), apart(c.y, a.y)), apart(b.z, a.z)));
+      const V error = hn::Add(error_of_mean_, hn::Mul(hn::Mul(error_of_shear_, rise), hn::Abs(inverse)));
+      const V first = hn::Sub(t, error), last = hn::Add(t, error);
       const M large_enough = hn::Or(hn::Lt(hn::Set(tag, SinglePrecision::min_value), min_edge),
                                     hn::Lt(max_edge, hn::Set(tag, -SinglePrecision::min_value)));
+      const V limit = hn::Set(tag, SinglePrecision::max_value);
       const M small_enough = hn::And(hn::Lt(hn::Abs(determinant), limit), hn::Lt(hn::Abs(t), limit));
       const M trusted = hn::And(candidates, hn::And(large_enough, small_enough));
-      changed |= keep_nearer(t, hn::Mul(v, inverse), hn::Mul(w, inverse), primitive, trusted);
-      const M others = hn::AndNot(trusted, candidates);
-      if (HWY_UNLIKELY(!hn::AllFalse(tag, others))) {
-        const Corner corners[] = {a, b, c};
-        changed |= test_exactly(corners, others, primitive);
+
+      const M near = hn::And(hn::And(hn::Le(t_min_, last), hn::Le(first, last_)), trusted);
+      const M clear = hn::And(hn::And(hn::Le(t_min_, first), hn::Lt(last, first_)), near);
+      if (!hn::AllFalse(tag, clear)) {
+        // For any hit, the first is enough: with no t left, the ray takes no further part.
+        first_ = hn::IfThenElse(clear, any_hit ? hn::Set(tag, -1.0f) : first, first_);
+        last_ = hn::IfThenElse(clear, any_hit ? hn::Set(tag, -1.0f) : last, last_);
+        const auto keep = [&](hn::Vec<Bits>& kept, std::uint32_t value) HWY_ATTR {
+          const V number = hn::BitCast(tag, hn::Set(Bits(), value));
+          kept = hn::BitCast(Bits(), hn::IfThenElse(clear, number, hn::BitCast(tag, kept)));
+        };
+        keep(primitive_, words[9 * count + i]);
+        keep(link_, leaf.bits());
+        keep(lane_, i);
+        changed = true;
       }
+      const M open = hn::AndNot(clear, hn::Or(near, hn::AndNot(trusted, candidates)));
+      if (HWY_UNLIKELY(!hn::AllFalse(tag, open)))
+        changed |= test_one_by_one(leaf, i, bits(tag, open), bits(tag, trusted));
     }
-    if (changed) t_last_ = hn::GetLane(hn::MaxOfLanes(tag, t_best_));
+    if (changed) t_last_ = hn::GetLane(hn::MaxOfLanes(tag, last_));
   }
 
-  HWY_INLINE bool keep_nearer(V t, V u, V v, std::uint32_t primitive, M which) {
+  // Triangle `i` of a leaf, for the `rays` that single precision leaves open: whether it lies before the
+  // nearest where that is `trusted`, else also whether they pass it within its edges.
+  HWY_NOINLINE HWY_ATTR bool test_one_by_one(ChildLink leaf, std::uint32_t i, std::uint32_t rays,
+                                             std::uint32_t trusted) {
     const Tag tag;
-    const V id = hn::BitCast(tag, hn::Set(Bits(), primitive));
-    const M lower = hn::RebindMask(tag, hn::Lt(hn::Set(Bits(), primitive), primitive_));
-    M nearer = hn::Or(hn::Lt(t, t_best_), hn::And(hn::Eq(t, t_best_), lower));
-    nearer = hn::And(hn::And(nearer, hn::Ge(t, t_min_)), which);
-    if (hn::AllFalse(tag, nearer)) return false;
-    primitive_ = hn::BitCast(Bits(), hn::IfThenElse(nearer, id, hn::BitCast(tag, primitive_)));
-    hn::BlendedStore(u, nearer, tag, u_);
-    hn::BlendedStore(v, nearer, tag, v_);
-    // For any hit the first is enough: with a t below its t_min, the ray is inactive from now on.
-    t_best_ = hn::IfThenElse(nearer, any_hit ? hn::Set(tag, -1.0f) : t, t_best_);
-    return true;
-  }
-
-  HWY_NOINLINE HWY_ATTR bool test_exactly(const Corner* corners, M which, std::uint32_t primitive) {
-    const Tag tag;
-    alignas(64) float lane[3][3][width], dz[width], t_min[width], t_max[width], t[width], u[width], v[width];
-    for (std::size_t k = 0; k < 3; ++k) {
-      hn::Store(corners[k].x, tag, lane[k][0]);
-      hn::Store(corners[k].y, tag, lane[k][1]);
-      hn::Store(corners[k].z, tag, lane[k][2]);
-    }
-    hn::Store(dz_, tag, dz);
+    alignas(64) float t_min[width], first[width], last[width];
+    alignas(64) std::uint32_t primitive[width], link[width], lane[width];
     hn::Store(t_min_, tag, t_min);
-    hn::Store(t_best_, tag, t_max);
-    for (std::size_t i = 0; i < width; ++i) {
-      const auto corner = [&](std::size_t k) {
-        return ShearedCorner(lane[k][0][i], lane[k][1][i], lane[k][2][i]);
-      };
-      Hit hit{.t = -1.0f};  // a miss becomes a t that no ray reaches
-      kerf::intersect_exactly(corner(0), corner(1), corner(2), dz[i], t_min[i], t_max[i], hit);
-      t[i] = hit.t;
-      u[i] = hit.u;
-      v[i] = hit.v;
+    hn::Store(first_, tag, first);
+    hn::Store(last_, tag, last);
+    hn::Store(primitive_, Bits(), primitive);
+    hn::Store(link_, Bits(), link);
+    hn::Store(lane_, Bits(), lane);
+    bool changed = false;
+    for (; rays != 0; rays &= rays - 1) {
+      const auto k = static_cast<std::size_t>(std::countr_zero(rays));
+      Nearest best;
+      best.first = first[k];
+      best.last = last[k];
+      best.primitive = primitive[k];
+      best.link = link[k];
+      best.lane = lane[k];
+      best = (trusted >> k & 1) ? nearer_of(bvh_, leaf, i, rays_[k], t_min[k], best)
+                                : intersect_one_by_one(bvh_, leaf, 1u << i, rays_[k], t_min[k], best);
+      const bool hit = best.primitive != primitive[k];
+      changed |= hit;
+      first[k] = any_hit && hit ? -1.0f : best.first;
+      last[k] = any_hit && hit ? -1.0f : best.last;
+      primitive[k] = best.primitive;
+      link[k] = best.link;
+      lane[k] = best.lane;
     }
-    return keep_nearer(hn::Load(tag, t), hn::Load(tag, u), hn::Load(tag, v), primitive, which);
+    first_ = hn::Load(tag, first);
+    last_ = hn::Load(tag, last);
+    primitive_ = hn::Load(Bits(), primitive);
+    link_ = hn::Load(Bits(), link);
+    lane_ = hn::Load(Bits(), lane);
+    return changed;
   }
 
   const WideBvh& bvh_;
-  V inverse_[3], enter_[3], leave_[3], t_min_, t_best_;
-  V shear_origin_[3], sx_, sy_;
-  V dz_, inverse_dz_;
-  hn::Vec<Bits> primitive_;
-  alignas(64) float u_[width], v_[width];
+  const Ray* rays_ = nullptr;
+  V origin_[3], direction_[3];
+  V inverse_[3], enter_[3], leave_[3], t_min_;
+  V first_, last_;  // as in `Nearest`
+  hn::Vec<Bits> primitive_, link_, lane_;
+  V shear_origin_[3], sx_, sy_, inverse_dz_;
+  V error_of_mean_, error_of_shear_;
   float inverse_low_[3], inverse_high_[3], origin_low_[3], origin_high_[3];  // of the packet
   float t_first_, t_last_;
   std::size_t near_[3], far_[3], axis_[3];

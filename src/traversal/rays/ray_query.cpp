@@ -96,8 +96,7 @@ std::uint64_t repeat_leaf_tests(const WideBvh& bvh, const Ray& caller_ray, Child
   const LeafConstants constants(ray);
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    Hit best;
-    best.t = std::min(caller_ray.t_max, std::numeric_limits<float>::max());
+    Nearest best(std::min(caller_ray.t_max, std::numeric_limits<float>::max()));
     __asm__ volatile("" ::: "memory");
     sum += intersect_leaf<false>(constants, bvh, leaf, caller_ray, best);
   }

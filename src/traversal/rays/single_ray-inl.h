@@ -53,12 +53,11 @@ HWY_INLINE void step_next(const WideBvh& bvh, const NodeConstants& constants, st
 template <bool any_hit, bool counting>
 HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& ray,
                      TraversalCounters* counters) {
-  Hit best;
-  if (!(caller_ray.t_min <= caller_ray.t_max)) return best;
-  best.t = std::min(caller_ray.t_max, std::numeric_limits<float>::max());
+  if (!(caller_ray.t_min <= caller_ray.t_max)) return Hit{};
+  Nearest best(std::min(caller_ray.t_max, std::numeric_limits<float>::max()));
   const NodeConstants node_constants(ray);
   const LeafConstants leaf_constants(ray);
-  BoxVector t_best = box_vector(best.t);
+  BoxVector t_best = box_vector(best.last);
   Stack<nodes_per_step> stack;
   stack.link[0] = stack.bottom;
   std::size_t depth = 1;
@@ -69,8 +68,8 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
       if constexpr (counting) ++counters->steps;
       const WideNode& node = bvh.nodes[link.node()];
       const Spans spans = meet_boxes(node_constants, t_best, node);
-      step_next<any_hit, counting, nodes_per_step - 1>(bvh, node_constants, ray.octant, t_best, best.t, stack,
-                                                       depth, counters);
+      step_next<any_hit, counting, nodes_per_step - 1>(bvh, node_constants, ray.octant, t_best, best.last,
+                                                       stack, depth, counters);
       const std::uint32_t met = less_or_equal(spans.first, spans.last);
       if (met == 0) {
         at_leaf = false;
@@ -93,14 +92,14 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
         counters->triangle_tests += link.count();
       }
       if (intersect_leaf<any_hit>(leaf_constants, bvh, link, caller_ray, best)) {
-        if constexpr (any_hit) return best;
-        t_best = box_vector(best.t);
+        if constexpr (any_hit) return Hit{.primitive = best.primitive};
+        t_best = box_vector(best.last);
       }
     }
     do {
-      if (depth == 1) return any_hit ? Hit{} : best;
+      if (depth == 1) return any_hit ? Hit{} : settled_hit(bvh, caller_ray, best);
       --depth;
-    } while (!any_hit && stack.t[depth] > best.t);
+    } while (!any_hit && stack.t[depth] > best.last);
     link = ChildLink(stack.link[depth]);
   }
 }

@@ -71,12 +71,13 @@ HWY_INLINE Float4 three(const Vec3f& v) {
 // The values of `RayBoxes` and `RayShear`, ready to be broadcast. Two cache lines.
 struct alignas(64) WideRay {
   Float4 inverse, enter, leave;  // of RayBoxes, along x, y, z
-  float t_min;
+  float t_min = 0.0f;
   std::uint32_t octant;  // bit a: negative along axis a
 
   float origin[3];        // along the axes of the shear
   std::uint32_t axis[3];  // these axes
   float sx, sy, inverse_dz;
+  float error;      // of t, for each unit of 2^-24 of the distance to the far side of the scene
   float min_value;  // of SinglePrecision; infinite where results might leave the range of a float
 };
 
@@ -109,6 +110,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   out.sx = shear.sx;
   out.sy = shear.sy;
   out.inverse_dz = shear.inverse_dz;
+  out.error = 0x1p-24f * boxes.distance * std::abs(out.inverse_dz);
   out.min_value = min_value(boxes.distance);
   return true;
 }
@@ -176,6 +178,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   out.sx = direction[axes.axis[0]] / direction[kz];
   out.sy = direction[axes.axis[1]] / direction[kz];
   out.inverse_dz = 1.0f / direction[kz];
+  out.error = 0x1p-24f * hn::GetLane(distance) * std::abs(out.inverse_dz);
   out.min_value = min_value(hn::GetLane(distance));
   return true;
 }
@@ -230,6 +233,12 @@ struct StoredNodeConstants {
 // What a leaf test reads at every leaf.
 struct LeafConstants {
   Float8 origin[3], sx, sy, inverse_dz, min_value;
+  Float8 error_of_mean, error_of_shear;  // of t
+
+  // In units of 2^-24 of the distance to the far side of the scene: 13 for weights and mean as in the table
+  // of `RayBoxes`, and 6 for the shear, both with room.
+  static constexpr float mean_error = 16.0f, shear_error = 8.0f;
+
   std::size_t axis[3];
   float t_min;
 
@@ -238,6 +247,8 @@ struct LeafConstants {
         sy(broadcast(ray.sy)),
         inverse_dz(broadcast(ray.inverse_dz)),
         min_value(broadcast(ray.min_value)),
+        error_of_mean(broadcast(mean_error * ray.error)),
+        error_of_shear(broadcast(shear_error * ray.error)),
         t_min(ray.t_min) {
     for (std::size_t i = 0; i < 3; ++i) {
       origin[i] = broadcast(ray.origin[i]);
