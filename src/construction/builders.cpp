@@ -4,24 +4,30 @@
 #include <array>
 #include <iterator>
 
-#include "construction/presplit/esc.hpp"
-#include "construction/presplit/evh.hpp"
-#include "construction/sbvh/parallel_build.hpp"
-
 namespace kerf {
+
+// A line for each builder, in the order in which comparisons show them: its enumerator, which is its name,
+// too; what it does; its function, and the bound of its memory. A new builder is a file and a line.
+#define KERF_BUILDERS(LINE)                                                                        \
+  LINE(bvh, "object splits only", construct_split_tree, tree_memory_bound)                         \
+  LINE(sbvh, "object and spatial splits (Stich, Friedrich & Dietrich 2009)", construct_split_tree, \
+       tree_memory_bound)                                                                          \
+  LINE(esc, "early split clipping (Ernst & Greiner 2007)", construct_esc, tree_memory_bound)       \
+  LINE(evh, "edge volume heuristic (Dammertz & Keller 2008)", construct_evh, tree_memory_bound)
+
+#define KERF_DECLARE(name, meaning, construct, memory_bound) \
+  Construct construct;                                       \
+  MemoryBound memory_bound;
+KERF_BUILDERS(KERF_DECLARE)
+#undef KERF_DECLARE
+
 namespace {
 
-// In the order in which comparisons show them.
-constexpr BuilderEntry table[] = {
-    {{Builder::bvh, "bvh", "object splits only"}, construct_split_tree, tree_memory_bound},
-    {{Builder::sbvh, "sbvh", "object and spatial splits (Stich, Friedrich & Dietrich 2009)"},
-     construct_split_tree,
-     tree_memory_bound},
-    {{Builder::esc, "esc", "early split clipping (Ernst & Greiner 2007)"}, construct_esc, tree_memory_bound},
-    {{Builder::evh, "evh", "edge volume heuristic (Dammertz & Keller 2008)"},
-     construct_evh,
-     tree_memory_bound},
-};
+#define KERF_ENTRY(name, meaning, construct, memory_bound) \
+  {{Builder::name, #name, meaning}, construct, memory_bound},
+constexpr BuilderEntry table[] = {KERF_BUILDERS(KERF_ENTRY)};
+#undef KERF_ENTRY
+#undef KERF_BUILDERS
 
 }  // namespace
 

@@ -15,12 +15,13 @@ namespace kerf {
 /// but where memory runs out it throws `std::bad_alloc`.
 using Construct = BinaryTree(const Geometry& geometry, const BuildOptions& options);
 
+/// No build of so many triangles holds more memory before its tree is finished, the tree included.
+using MemoryBound = std::size_t(std::size_t triangles, const BuildOptions& options);
+
 struct BuilderEntry {
   BuilderInfo info;
   Construct* construct;
-
-  /// No build of so many triangles holds more memory before its tree is finished, the tree included.
-  std::size_t (*memory_bound)(std::size_t triangles, const BuildOptions& options);
+  MemoryBound* memory_bound;
 };
 
 /// The entry of `builder`; null if the table has none.
