@@ -56,7 +56,7 @@ HWY_NOINLINE HWY_ATTR RayCrossing hit_in_leaf(const WideBvh& bvh, ChildLink leaf
                                               const Ray& ray) {
   const Triangle triangle = triangle_in(bvh, leaf, i);
   const CrossingEstimate estimate = estimate_crossing(ray.origin, ray.direction, triangle);
-  if (HWY_LIKELY(estimate.steep() & estimate.precise())) return estimate.crossing(estimate.height);
+  if (HWY_LIKELY(estimate.steep() && estimate.precise())) return estimate.crossing(estimate.height);
   return hit_exactly(triangle, ray);
 }
 
