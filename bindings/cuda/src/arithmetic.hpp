@@ -1,0 +1,131 @@
+// What device code is written in. The same functions compile for the host, where tests compare them with the
+// library bit for bit on any machine.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#ifdef __CUDACC__
+#define KERF_CUDA_BOTH __host__ __device__
+#define KERF_CUDA_INLINE __host__ __device__ __forceinline__
+#define KERF_CUDA_NOINLINE inline __host__ __device__ __noinline__
+#else
+#define KERF_CUDA_BOTH
+#define KERF_CUDA_INLINE inline
+#define KERF_CUDA_NOINLINE inline
+#endif
+
+namespace kerf::cuda {
+
+// Sixteen bytes, which one instruction loads.
+struct alignas(16) Words4 {
+  std::uint32_t x, y, z, w;
+};
+
+// Through the read-only path: nothing of a hierarchy changes while a kernel runs.
+KERF_CUDA_INLINE Words4 load(const Words4* p) {
+#ifdef __CUDA_ARCH__
+  const uint4 v = __ldg(reinterpret_cast<const uint4*>(p));
+  return {v.x, v.y, v.z, v.w};
+#else
+  return *p;
+#endif
+}
+
+KERF_CUDA_INLINE float as_float(std::uint32_t bits) {
+#ifdef __CUDA_ARCH__
+  return __uint_as_float(bits);
+#else
+  float value;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+#endif
+}
+KERF_CUDA_INLINE std::uint32_t as_bits(float value) {
+#ifdef __CUDA_ARCH__
+  return __float_as_uint(value);
+#else
+  std::uint32_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  return bits;
+#endif
+}
+KERF_CUDA_INLINE double as_double(std::uint64_t bits) {
+#ifdef __CUDA_ARCH__
+  return __longlong_as_double(static_cast<long long>(bits));
+#else
+  double value;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+#endif
+}
+KERF_CUDA_INLINE std::uint64_t as_bits(double value) {
+#ifdef __CUDA_ARCH__
+  return static_cast<std::uint64_t>(__double_as_longlong(value));
+#else
+  std::uint64_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  return bits;
+#endif
+}
+
+// a * b + c, rounded once. Nothing else is fused: host and device code are compiled without contraction.
+KERF_CUDA_INLINE float fused_multiply_add(float a, float b, float c) {
+#ifdef __CUDA_ARCH__
+  return __fmaf_rn(a, b, c);
+#else
+  return std::fma(a, b, c);
+#endif
+}
+
+KERF_CUDA_INLINE double fused_multiply_add(double a, double b, double c) {
+#ifdef __CUDA_ARCH__
+  return __fma_rn(a, b, c);
+#else
+  return std::fma(a, b, c);
+#endif
+}
+
+// Of numbers one of which is no number, the other: a box test then leaves that slab out.
+KERF_CUDA_INLINE float minimum(float a, float b) {
+#ifdef __CUDA_ARCH__
+  return fminf(a, b);
+#else
+  return std::fmin(a, b);
+#endif
+}
+KERF_CUDA_INLINE float maximum(float a, float b) {
+#ifdef __CUDA_ARCH__
+  return fmaxf(a, b);
+#else
+  return std::fmax(a, b);
+#endif
+}
+
+KERF_CUDA_INLINE float absolute(float x) {
+  return as_float(as_bits(x) & 0x7fffffffu);
+}
+KERF_CUDA_INLINE double absolute(double x) {
+  return as_double(as_bits(x) & 0x7fffffffffffffffu);
+}
+// `std::max` and `std::min`, in what they do with what is no number, too.
+template <class T>
+KERF_CUDA_INLINE T standard_max(T a, T b) {
+  return a < b ? b : a;
+}
+template <class T>
+KERF_CUDA_INLINE T standard_min(T a, T b) {
+  return b < a ? b : a;
+}
+
+// Of the highest bit that is set; there must be one.
+KERF_CUDA_INLINE int highest_bit(std::uint32_t bits) {
+#ifdef __CUDA_ARCH__
+  return 31 - __clz(static_cast<int>(bits));
+#else
+  return 31 - __builtin_clz(bits);
+#endif
+}
+
+}  // namespace kerf::cuda
