@@ -88,7 +88,7 @@ TEST(Determinism, FilesAreTheSameOnEveryMachine) {
   struct Expected {
     std::string_view scene, sbvh, bvh, esc, evh;
   };
-  for (const auto& [name, sbvh, bvh, esc, evh] : {
+  for (const Expected& expected : {
            Expected{"atrium", "a87199d93c51ec6f", "712152d847f14199", "2cc782fc85ecd94e", "54bb0c79407e7146"},
            Expected{"conference", "ba6a19462318e30f", "1880f484afcb0ace", "40e45846a055045b",
                     "2d16061ca1501351"},
@@ -99,13 +99,13 @@ TEST(Determinism, FilesAreTheSameOnEveryMachine) {
                     "db632eca3cc7bc73"},
            Expected{"sticks", "8aa20a787bd2fd59", "58d357c1c4cdbcb1", "62bf8000f5221e34", "6c4163852c01e319"},
        }) {
-    SCOPED_TRACE(name);
-    const workbench::Scene scene = make_scene(name);
-    EXPECT_EQ(checksum_of_file(scene, Builder::bvh), bvh);
-    EXPECT_EQ(checksum_of_file(scene, Builder::esc), esc);
-    EXPECT_EQ(checksum_of_file(scene, Builder::evh), evh);
+    SCOPED_TRACE(expected.scene);
+    const workbench::Scene scene = make_scene(expected.scene);
+    EXPECT_EQ(checksum_of_file(scene, Builder::bvh), expected.bvh);
+    EXPECT_EQ(checksum_of_file(scene, Builder::esc), expected.esc);
+    EXPECT_EQ(checksum_of_file(scene, Builder::evh), expected.evh);
     kerf_tests::for_each_target(
-        [&](const kerf::Target&) { EXPECT_EQ(checksum_of_file(scene, Builder::sbvh), sbvh); });
+        [&](const kerf::Target&) { EXPECT_EQ(checksum_of_file(scene, Builder::sbvh), expected.sbvh); });
   }
 }
 
@@ -113,7 +113,7 @@ TEST(Determinism, HitsAndAnswersAreTheSameOnEveryMachine) {
   struct Expected {
     std::string_view scene, hits, answers;
   };
-  for (const auto& [name, hits, answers] : {
+  for (const Expected& expected : {
            Expected{"atrium", "0fc4b9c401d2456e", "0d6b393974e1b343b5175bb3acd64ded"},
            Expected{"conference", "2b3476a7be932992", "0ae6cbbb78be216a193442fb91a5c3a4"},
            Expected{"hairball", "f2cb7a13200a7c0b", "8f9ad3983bc02b4d041f44282247be4d"},
@@ -121,12 +121,12 @@ TEST(Determinism, HitsAndAnswersAreTheSameOnEveryMachine) {
            Expected{"terrain", "d5be9e5ec123d888", "e55c91082875f3e8bbf2ffbbb5618939"},
            Expected{"sticks", "6fb75339fbaa12ff", "591f41e6f9b009b43b530d3ee9bf7492"},
        }) {
-    SCOPED_TRACE(name);
-    const workbench::Scene scene = make_scene(name);
+    SCOPED_TRACE(expected.scene);
+    const workbench::Scene scene = make_scene(expected.scene);
     kerf_tests::for_each_target([&](const kerf::Target&) {
       const kerf::Bvh bvh = kerf::build(scene.mesh());
-      EXPECT_EQ(checksum_of_hits(scene, bvh), hits);
-      EXPECT_EQ(checksum_of_answers(bvh), answers);
+      EXPECT_EQ(checksum_of_hits(scene, bvh), expected.hits);
+      EXPECT_EQ(checksum_of_answers(bvh), expected.answers);
     });
   }
 }
