@@ -32,11 +32,13 @@ Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
   const PlainFloatingPoint plain;
   const auto start = std::chrono::steady_clock::now();
   return report_out_of_memory([&] {
-    const Geometry geometry(meshes);
-    const auto structure = lay_out_tree(geometry, construct(geometry, options), options.threads);
-    structure->statistics.build_seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return Structure::share(structure);
+    return isolated([&] {
+      const Geometry geometry(meshes);
+      const auto structure = lay_out_tree(geometry, construct(geometry, options), options.threads);
+      structure->statistics.build_seconds =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      return Structure::share(structure);
+    });
   });
 }
 

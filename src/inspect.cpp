@@ -4,6 +4,7 @@
 
 #include "base/fp_environment.hpp"
 #include "base/out_of_memory.hpp"
+#include "base/parallel.hpp"
 #include "build.hpp"
 #include "construction/construct.hpp"
 #include "structure.hpp"
@@ -39,7 +40,7 @@ auto measured(const Tree& tree, const Measure& measure) {
   const PlainFloatingPoint plain;
   return report_out_of_memory([&] {
     const TreeContent& content = TreeContent::of(tree);
-    return measure(content.tree, content.geometry);
+    return isolated([&] { return measure(content.tree, content.geometry); });
   });
 }
 
@@ -66,8 +67,9 @@ Triangle Tree::triangle(std::uint32_t id) const {
 
 Tree build_tree(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
   const PlainFloatingPoint plain;
-  return report_out_of_memory(
-      [&] { return TreeContent::share(std::make_shared<const TreeContent>(meshes, options)); });
+  return report_out_of_memory([&] {
+    return isolated([&] { return TreeContent::share(std::make_shared<const TreeContent>(meshes, options)); });
+  });
 }
 
 Tree build_tree(const TriangleMesh& mesh, const BuildOptions& options) {

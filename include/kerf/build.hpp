@@ -37,7 +37,8 @@ struct BuildOptions {
   /// At most this many references in a leaf. Range: [1, 8].
   std::uint32_t max_leaf_size = 8;
 
-  /// Threads to use; 0 uses all. The tree is the same for any number.
+  /// Threads to use; 0 uses all, or inside a caller's oneTBB task arena those of the arena. The tree is the
+  /// same for any number.
   unsigned threads = 0;
 
   /// For `esc` and `evh` only: the maximum number of references that splitting before the build makes. The

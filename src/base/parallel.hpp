@@ -105,6 +105,12 @@ void parallel_invoke(const First& first, const Second& second) {
   parallel_for(2, [&](int i) { i == 0 ? first() : second(); });
 }
 
+/// Calls `work` and returns what it returns.
+template <class Work>
+auto isolated(const Work& work) {
+  return work();
+}
+
 /// Calls `work` on `wanted` threads, 0 for all, and returns what it returns.
 template <class Work>
 auto on_threads(unsigned wanted, const Work& work) {
@@ -162,13 +168,20 @@ void parallel_invoke(const First& first, const Second& second) {
   tbb::parallel_invoke(plainly(first), plainly(second));
 }
 
-/// Calls `work` on `wanted` threads, 0 for all, and returns what it returns. If the caller's arena has that
-/// many threads, `work` runs in it: entering another arena takes 70 microseconds. It is isolated there, so
-/// that it waits for its own tasks only.
+/// Calls `work` on the threads of the caller's arena, and returns what it returns. While `work` waits for its
+/// own tasks this thread takes no others: a task of the caller would run in the middle of the one that
+/// called, on the same thread, with the same thread-local data and locks.
+template <class Work>
+auto isolated(const Work& work) {
+  return tbb::this_task_arena::isolate(work);
+}
+
+/// Calls `work` on `wanted` threads and returns what it returns; 0 stands for the threads of the caller's
+/// arena. If that has as many as are wanted, `work` runs in it: entering another arena takes 70 microseconds.
 template <class Work>
 auto on_threads(unsigned wanted, const Work& work) {
   const int threads = usable_threads(wanted);
-  if (tbb::this_task_arena::max_concurrency() == threads) return tbb::this_task_arena::isolate(work);
+  if (wanted == 0 || tbb::this_task_arena::max_concurrency() == threads) return isolated(work);
   tbb::task_arena arena(threads);
   return arena.execute(work);
 }

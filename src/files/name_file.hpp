@@ -2,9 +2,9 @@
 #pragma once
 
 #include <filesystem>
-#include <utility>
 
 #include "base/out_of_memory.hpp"
+#include "base/parallel.hpp"
 #include "base/raise.hpp"
 
 namespace kerf {
@@ -12,9 +12,9 @@ namespace kerf {
 /// Calls `work` and returns what it returns. The sentence of an `Error` that it throws gets the name of the
 /// file in front.
 template <class Work>
-decltype(auto) naming_file(const std::filesystem::path& path, Work&& work) {
+decltype(auto) naming_file(const std::filesystem::path& path, const Work& work) {
   try {
-    return report_out_of_memory(std::forward<Work>(work));
+    return report_out_of_memory([&] { return isolated(work); });
   } catch (const Error& error) {
     if (error.code() == Error::io) throw;  // these have the name already
     raise(error.code(), "%s: %s", path.c_str(), error.what());
