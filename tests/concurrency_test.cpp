@@ -14,6 +14,7 @@
 
 #include "base/parallel.hpp"
 #include "support/adversarial.hpp"
+#include "support/instrumented.hpp"
 #include "support/temporary_directory.hpp"
 #include "workbench/generate/solids.hpp"
 
@@ -106,14 +107,17 @@ TEST(Concurrency, CallsRunNoTaskOfTheCallerWhileTheyWait) {
   const workbench::Solid sphere = workbench::make_sphere(4);
   const Bvh bvh = build(sphere.mesh());
   const std::vector<Ray> rays(4096, Ray{.origin = {0, 0, 0}, .direction = {1, 0.5f, 0.25f}});
-  EXPECT_EQ(tiles_begun_within_another(2000,
+  EXPECT_EQ(tiles_begun_within_another(static_cast<int>(test::reduced(2000)),
                                        [&] {
                                          std::vector<Hit> hits(rays.size());
                                          bvh.intersect(rays, hits);
                                        }),
             0);
-  EXPECT_EQ(tiles_begun_within_another(50, [&] { build(sphere.mesh()); }), 0);
-  EXPECT_EQ(tiles_begun_within_another(50, [&] { build(sphere.mesh(), {.builder = Builder::esc}); }), 0);
+  EXPECT_EQ(tiles_begun_within_another(static_cast<int>(test::reduced(50)), [&] { build(sphere.mesh()); }),
+            0);
+  EXPECT_EQ(tiles_begun_within_another(static_cast<int>(test::reduced(50)),
+                                       [&] { build(sphere.mesh(), {.builder = Builder::esc}); }),
+            0);
 }
 
 TEST(Concurrency, ABuildOnAllThreadsKeepsToTheCallersArena) {
