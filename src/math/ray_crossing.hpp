@@ -69,7 +69,8 @@ struct CrossingEstimate {
   /// Height and slope are sums of six products of three differences with at most nine roundings of 2^-53 on
   /// each: their errors are below 2^-47 times `corner * edges` and the same with d. What is larger by 2^26
   /// has a relative error of at most 2^-26.
-  static constexpr double min_precise = 0x1p-21;
+  static constexpr double max_error = 0x1p-47;
+  static constexpr double min_precise = max_error * (1 << 26);
 
   bool steep() const {
     return std::abs(slope) >= min_slope * direction * normal &&
@@ -85,7 +86,7 @@ struct CrossingEstimate {
   }
 
   /// The height has this size at most.
-  double max_height() const { return std::abs(height) + 0x1p-47 * corner * edges; }
+  double max_height() const { return std::abs(height) + max_error * corner * edges; }
 };
 
 inline CrossingEstimate estimate_crossing(const Vec3f& o, const Vec3f& d, const Triangle& triangle) {
@@ -102,16 +103,21 @@ inline CrossingEstimate estimate_crossing(const Vec3f& o, const Vec3f& d, const 
           .normal = largest_component(n)};
 }
 
+/// det(d, a - o, b - o) without rounding.
+inline ExactSum exact_edge_side_sum(const Vec3f& o, const Vec3f& d, const Vec3f& a, const Vec3f& b) {
+  ExactSum sum;
+  add_determinant(sum, 1.0f, d, a, b);
+  add_determinant(sum, -1.0f, d, a, o);
+  add_determinant(sum, -1.0f, d, o, b);
+  return sum;
+}
+
 /// The side on which the line from `o` along `d` passes the edge from `a` to `b`: det(d, a - o, b - o), exact
 /// in its sign and to a relative error of 2^-26.
 inline double edge_side(const Vec3f& o, const Vec3f& d, const Vec3f& a, const Vec3f& b) {
   const Determinant estimate = determinant(widen(d), difference(a, o), difference(b, o));
   if (estimate.precise()) return estimate.value;
-  ExactSum sum;
-  add_determinant(sum, 1.0f, d, a, b);
-  add_determinant(sum, -1.0f, d, a, o);
-  add_determinant(sum, -1.0f, d, o, b);
-  return sum.value();
+  return exact_edge_side_sum(o, d, a, b).value();
 }
 
 /// det(a - o, b - o, c - o), exact in its sign and to a relative error of 2^-26: the distance of `o` from the

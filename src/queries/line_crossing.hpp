@@ -9,6 +9,7 @@
 #include <kerf/ray.hpp>
 
 #include "math/predicates.hpp"
+#include "math/ray_crossing.hpp"
 #include "math/triangle.hpp"
 
 namespace kerf {
@@ -21,11 +22,7 @@ namespace kerf {
 /// same for all triangles and meets no edge and no vertex, so that it crosses a closed surface an even number
 /// of times. 0 only for an edge that is parallel to the line, which no movement separates.
 inline int exact_edge_side(const Vec3f& o, const Vec3f& d, const Vec3f& a, const Vec3f& b) {
-  ExactSum sum;
-  add_determinant(sum, 1.0f, d, a, b);
-  add_determinant(sum, -1.0f, d, a, o);
-  add_determinant(sum, -1.0f, d, o, b);
-  if (const int sign = sum.sign()) return sign;
+  if (const int sign = exact_edge_side_sum(o, d, a, b).sign()) return sign;
   // Moving o by w adds det(d, b - a, w), that is w . (d x (b - a)): here for w = x, then y, then z. The
   // component of the movement along d adds nothing, so that two of the axes are enough to decide; the third
   // does no harm.

@@ -1,4 +1,4 @@
-// Float8 floats or sixteen, in as many vectors as the instruction set at hand needs.
+// Eight floats or sixteen, in as many vectors as the instruction set at hand needs.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_SIMD_FLOATS_INL_H) == defined(HWY_TARGET_TOGGLE)
