@@ -85,8 +85,11 @@ struct CrossingEstimate {
     return round_crossing(better_height / slope, u / slope, v / slope);
   }
 
-  /// The height has this size at most.
-  double max_height() const { return std::abs(height) + max_error * corner * edges; }
+  /// Whether the ray certainly crosses the plane before `t`, if it is steep. False says nothing.
+  bool certainly_before(float t) const {
+    return steep() &&
+           std::abs(height) + max_error * corner * edges < 0.999 * static_cast<double>(t) * std::abs(slope);
+  }
 };
 
 inline CrossingEstimate estimate_crossing(const Vec3f& o, const Vec3f& d, const Triangle& triangle) {

@@ -20,6 +20,7 @@ struct RayShear {
   float sx, sy;
   float dz, inverse_dz;
 
+  RayShear() = default;
   explicit RayShear(const Vec3f& direction) {
     const float d[3] = {direction.x, direction.y, direction.z};
     const float ax = std::abs(d[0]), ay = std::abs(d[1]), az = std::abs(d[2]);
@@ -82,20 +83,33 @@ inline bool weigh_exactly(const ShearedCorner& a, const ShearedCorner& b, const 
   return !((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) && u + v + w != 0;
 }
 
+/// The weights in single precision if that is trusted, else `exact`.
+inline Weights weigh(const ShearedCorner& a, const ShearedCorner& b, const ShearedCorner& c,
+                     const Weights& exact) {
+  const float u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
+              w = difference_of_products(b.x, a.y, b.y, a.x);
+  const float smallest = std::min({u, v, w}), largest = std::max({u, v, w});
+  const bool trusted = (smallest > SinglePrecision::min_value || largest < -SinglePrecision::min_value) &&
+                       std::abs(u + v + w) < SinglePrecision::max_value;
+  return trusted ? Weights{u, v, w} : exact;
+}
+
 /// Where a ray hits a triangle that it passes within its edges, after the shear.
 ///
 /// The shear moves corners by roundings, so that a triangle which is seen nearly edge-on may be hit although
 /// the ray does not meet it, and its plane only far away. Then the hit is the triangle's point that the
 /// weights name: it lies beside the ray. In all other cases it is where the ray crosses the plane.
 inline RayCrossing hit_crossing(const Vec3f& o, const Vec3f& d, const Triangle& triangle,
-                                const RayShear& shear, const Weights& weights) {
-  const CrossingEstimate estimate = estimate_crossing(o, d, triangle);
+                                const CrossingEstimate& estimate, const RayShear& shear,
+                                const ShearedCorner& a, const ShearedCorner& b, const ShearedCorner& c,
+                                const Weights& exact) {
   const bool steep = estimate.steep();
   if (steep && estimate.precise()) return estimate.crossing(estimate.height);
   RayCrossing crossing;
   if (cross_exactly(o, d, triangle, crossing)) return crossing;
   if (steep) return estimate.crossing(height_above(o, triangle));
   const int z = shear.kz;
+  const Weights weights = weigh(a, b, c, exact);
   const double sum = weights.a + weights.b + weights.c;
   const double height = weights.a * (triangle.v0[z] - o[z]) + weights.b * (triangle.v1[z] - o[z]) +
                         weights.c * (triangle.v2[z] - o[z]);
@@ -112,19 +126,14 @@ inline RayCrossing hit_crossing(const Vec3f& o, const Vec3f& d, const Triangle& 
 /// triangle as it is given, but for the rounding to floats.
 inline bool intersect_triangle(const RayShear& shear, const Vec3f& origin, const Vec3f& direction,
                                const Triangle& triangle, float t_min, float t_max, Hit& hit) {
+  const CrossingEstimate estimate = estimate_crossing(origin, direction, triangle);
+  // All triangles around a corner that the ray begins at leave here, before anything exact is computed.
+  if (estimate.certainly_before(t_min)) return false;
   const ShearedCorner a(shear, origin, triangle.v0), b(shear, origin, triangle.v1),
       c(shear, origin, triangle.v2);
-  const float u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
-              w = difference_of_products(b.x, a.y, b.y, a.x);
-  const float smallest = std::min({u, v, w}), largest = std::max({u, v, w});
-  if (smallest < -SinglePrecision::min_sign && largest > SinglePrecision::min_sign) return false;
-
-  const float determinant = u + v + w;
-  const bool trusted = (smallest > SinglePrecision::min_value || largest < -SinglePrecision::min_value) &&
-                       std::abs(determinant) < SinglePrecision::max_value;
-  Weights weights{u, v, w};
-  if (!trusted && !weigh_exactly(a, b, c, weights)) return false;
-  const RayCrossing crossing = hit_crossing(origin, direction, triangle, shear, weights);
+  Weights exact{};
+  if (!weigh_exactly(a, b, c, exact)) return false;
+  const RayCrossing crossing = hit_crossing(origin, direction, triangle, estimate, shear, a, b, c, exact);
   if (!(crossing.t >= t_min && crossing.t <= t_max)) return false;
   hit.t = crossing.t;
   hit.u = crossing.u;

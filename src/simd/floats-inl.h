@@ -120,8 +120,8 @@ HWY_INLINE DoubleVector promote(const Lanes& a, std::size_t i) {
   }
 }
 
-// `difference_of_products` of math/ray_triangle.hpp, to the last bit.
 #if HWY_NATIVE_FMA
+// `difference_of_products` of math/ray_triangle.hpp, to the last bit.
 template <class V>
 HWY_INLINE V difference_of_products(V a, V b, V c, V d) {
   const V cd = hn::Mul(c, d);
@@ -132,34 +132,6 @@ HWY_INLINE Float8 difference_of_products(const Float8& a, const Float8& b, const
   for (std::size_t i = 0; i < vector_count; ++i)
     r.vector[i] = difference_of_products(a.vector[i], b.vector[i], c.vector[i], d.vector[i]);
   return r;
-}
-#else
-// a * b + c, rounded once, on instruction sets without fused multiply-add. The product is exact in double
-// precision. The sum is rounded to odd there, so that rounding it again does no harm (Boldo & Melquiond 2008,
-// "Emulation of a FMA and Correctly Rounded Sums: Proved Algorithms Using Rounding to Odd").
-HWY_INLINE Float8 fused_multiply_add(const Float8& a, const Float8& b, const Float8& c) {
-  const DoubleTag tag;
-  const hn::RebindToSigned<DoubleTag> integers;
-  alignas(64) float lanes[8];
-  for (std::size_t i = 0; i < double_count; ++i) {
-    const DoubleVector product = hn::Mul(promote(a, i), promote(b, i)), addend = promote(c, i);
-    const DoubleVector sum = hn::Add(product, addend), back = hn::Sub(sum, product);
-    const DoubleVector rest = hn::Add(hn::Sub(product, hn::Sub(sum, back)), hn::Sub(addend, back));
-    const auto one = hn::Set(integers, 1);
-    const auto bits = hn::BitCast(integers, sum);
-    const auto towards_rest =
-        hn::Or(hn::ShiftRight<63>(hn::BitCast(integers, hn::Xor(sum, rest))), one);  // 1 or -1
-    const auto even = hn::Eq(hn::And(bits, one), hn::Zero(integers));
-    const auto inexact = hn::RebindMask(integers, hn::Ne(rest, hn::Zero(tag)));
-    const auto odd = hn::Add(bits, hn::IfThenElseZero(hn::And(even, inexact), towards_rest));
-    const hn::Rebind<float, DoubleTag> narrow;
-    hn::StoreU(hn::DemoteTo(narrow, hn::BitCast(tag, odd)), narrow, lanes + i * double_lanes);
-  }
-  return load(lanes);
-}
-HWY_INLINE Float8 difference_of_products(const Float8& a, const Float8& b, const Float8& c, const Float8& d) {
-  const Float8 cd = c * d, none = broadcast(0.0f);
-  return fused_multiply_add(a, b, none - cd) + fused_multiply_add(none - c, d, cd);
 }
 #endif
 

@@ -31,6 +31,75 @@ HWY_INLINE Sheared shear(const LeafConstants& ray, const float* vertex_rows, std
           load(vertex_rows + ray.axis[1] * count) - ray.origin[1] - ray.sy * z, z};
 }
 
+#if !HWY_NATIVE_FMA
+// The nearest triangle found so far.
+struct Nearest {
+  float first, last;  // t, in both
+  std::uint32_t primitive = invalid_id;
+  float u = 0.0f, v = 0.0f;
+
+  explicit Nearest(float t_max = 0.0f) : first(t_max), last(t_max) {}
+};
+
+HWY_INLINE Hit settled_hit(const WideBvh&, const Ray&, const Nearest& nearest) {
+  if (nearest.primitive == invalid_id) return Hit{};
+  return {.t = nearest.last, .u = nearest.u, .v = nearest.v, .primitive = nearest.primitive};
+}
+
+// Makes triangle `i` of a leaf the nearest if it is nearer. Of those at the same t the triangle with the
+// lowest number is.
+HWY_NOINLINE HWY_ATTR bool intersect_one(const RayShear& shear, const WideBvh& bvh, ChildLink leaf,
+                                         std::uint32_t i, const Ray& ray, float t_min, Nearest& best) {
+  Hit hit;
+  if (!intersect_triangle(shear, ray.origin, ray.direction, triangle_in(bvh, leaf, i), t_min, best.last, hit))
+    return false;
+  const std::uint32_t primitive = triangle_id(bvh, leaf, i);
+  if (hit.t == best.last && primitive >= best.primitive) return false;
+  best.first = best.last = hit.t;
+  best.u = hit.u;
+  best.v = hit.v;
+  best.primitive = primitive;
+  return true;
+}
+
+// a * b - c * d lies between these.
+struct Side {
+  Float8 low, high;
+};
+
+// Three roundings of 2^-24, and one more of the bounds themselves.
+HWY_INLINE Side side_between(const Float8& a, const Float8& b, const Float8& c, const Float8& d) {
+  const Float8 ab = a * b, cd = c * d;
+  const Float8 difference = ab - cd, error = (absolute(ab) + absolute(cd)) * broadcast(0x1p-22f);
+  return {difference - error, difference + error};
+}
+
+// Without fused multiplication and addition exact edge functions cost ten times as much as rounded ones.
+// So the triangles that a ray certainly passes are told from rounded ones, and the few others are decided one
+// by one in double precision. Returns whether `best` changed.
+template <bool any_hit>
+HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
+                               const Ray& ray, Nearest& best) {
+  const std::uint32_t count = leaf.count();
+  const float* rows = leaf_rows(bvh, leaf);
+  const Sheared a = shear(constants, rows, count), b = shear(constants, rows + 3 * count, count),
+                c = shear(constants, rows + 6 * count, count);
+  const Side u = side_between(c.x, b.y, c.y, b.x), v = side_between(a.x, c.y, a.y, c.x),
+             w = side_between(b.x, a.y, b.y, a.x);
+  const Float8 least = minimum(minimum(u.high, v.high), w.high),
+               greatest = maximum(maximum(u.low, v.low), w.low);
+  std::uint32_t rest = (1u << count) - 1;
+  rest &= ~(less(least, broadcast(-SinglePrecision::min_sign)) &
+            less(broadcast(SinglePrecision::min_sign), greatest));
+  bool changed = false;
+  for (; rest != 0; rest &= rest - 1) {
+    const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
+    changed |= intersect_one(constants.shear, bvh, leaf, i, ray, constants.t_min, best);
+    if (any_hit && changed) return true;
+  }
+  return changed;
+}
+#else
 // The nearest triangle found so far. Its t is known to lie between two bounds, which is enough to go on with;
 // what it is exactly is computed when another triangle's might be less, and when the ray is done. So no
 // branch waits for double precision.
@@ -83,22 +152,15 @@ HWY_NOINLINE HWY_ATTR Nearest nearer_of(const WideBvh& bvh, ChildLink leaf, std:
   return best;
 }
 
-inline bool certainly_before(const CrossingEstimate& estimate, float t) {
-  return estimate.steep() &&
-         estimate.max_height() < 0.999 * static_cast<double>(t) * std::abs(estimate.slope);
-}
-
 // The triangles in `lanes` one by one: for the few that single precision leaves open.
 HWY_NOINLINE HWY_ATTR Nearest intersect_one_by_one(const WideBvh& bvh, ChildLink leaf, std::uint32_t lanes,
                                                    const Ray& ray, float t_min, Nearest best) {
   const RayShear shear(ray.direction);
   for (; lanes != 0; lanes &= lanes - 1) {
     const auto i = static_cast<std::uint32_t>(std::countr_zero(lanes));
-    const Triangle triangle = triangle_in(bvh, leaf, i);
-    // All triangles around a corner that the ray begins at come here.
-    if (certainly_before(estimate_crossing(ray.origin, ray.direction, triangle), t_min)) continue;
     Hit hit;
-    if (intersect_triangle(shear, ray.origin, ray.direction, triangle, t_min, best.last, hit))
+    if (intersect_triangle(shear, ray.origin, ray.direction, triangle_in(bvh, leaf, i), t_min, best.last,
+                           hit))
       best = nearer_of(bvh, leaf, i, ray, t_min, best);
   }
   return best;
@@ -172,6 +234,7 @@ HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bv
   }
   return changed;
 }
+#endif
 
 }  // namespace
 }  // namespace HWY_NAMESPACE

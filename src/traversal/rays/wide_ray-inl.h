@@ -76,7 +76,7 @@ struct alignas(64) WideRay {
 
   float origin[3];        // along the axes of the shear
   std::uint32_t axis[3];  // these axes
-  float sx, sy, inverse_dz;
+  float sx, sy, dz, inverse_dz;
   float error;      // of t, for each unit of 2^-24 of the distance to the far side of the scene
   float min_value;  // of SinglePrecision; infinite where results might leave the range of a float
 };
@@ -109,6 +109,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   }
   out.sx = shear.sx;
   out.sy = shear.sy;
+  out.dz = shear.dz;
   out.inverse_dz = shear.inverse_dz;
   out.error = 0x1p-24f * boxes.distance * std::abs(out.inverse_dz);
   out.min_value = min_value(boxes.distance);
@@ -177,6 +178,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   }
   out.sx = direction[axes.axis[0]] / direction[kz];
   out.sy = direction[axes.axis[1]] / direction[kz];
+  out.dz = direction[kz];
   out.inverse_dz = 1.0f / direction[kz];
   out.error = 0x1p-24f * hn::GetLane(distance) * std::abs(out.inverse_dz);
   out.min_value = min_value(hn::GetLane(distance));
@@ -241,6 +243,9 @@ struct LeafConstants {
 
   std::size_t axis[3];
   float t_min;
+#if !HWY_NATIVE_FMA
+  RayShear shear;
+#endif
 
   HWY_INLINE explicit LeafConstants(const WideRay& ray)
       : sx(broadcast(ray.sx)),
@@ -254,6 +259,15 @@ struct LeafConstants {
       origin[i] = broadcast(ray.origin[i]);
       axis[i] = ray.axis[i];
     }
+#if !HWY_NATIVE_FMA
+    shear.kx = static_cast<int>(ray.axis[0]);
+    shear.ky = static_cast<int>(ray.axis[1]);
+    shear.kz = static_cast<int>(ray.axis[2]);
+    shear.sx = ray.sx;
+    shear.sy = ray.sy;
+    shear.dz = ray.dz;
+    shear.inverse_dz = ray.inverse_dz;
+#endif
   }
 };
 
