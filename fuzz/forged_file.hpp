@@ -26,7 +26,9 @@ inline void sign(std::span<std::byte> image) {
   std::memcpy(&header, image.data(), sizeof header);
   const std::uint64_t max = image.size() / sizeof(std::uint32_t);
   if (header.leaf_words <= max && header.nodes <= max && header.meshes <= max) {
-    const FileLayout layout(header);
+    FileHeader sizes = header;
+    if (header.version == FileHeader::oldest_version) sizes.node_width = 16;
+    const FileLayout layout(sizes);
     const auto section = [&](std::uint64_t at, std::uint64_t bytes) {
       return at + bytes <= image.size() ? checksum(image.subspan(at, bytes)) : 0;
     };

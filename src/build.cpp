@@ -15,11 +15,13 @@
 #include "construction/options.hpp"
 #include "construction/sbvh/parallel_build.hpp"
 #include "layout/lay_out.hpp"
+#include "traversal/dispatch.hpp"
 
 namespace kerf {
 
 std::shared_ptr<Structure> lay_out_tree(const Geometry& geometry, const BinaryTree& tree, unsigned threads) {
-  LaidOut laid_out = on_threads(threads, [&] { return make_wide_bvh(geometry, tree); });
+  LaidOut laid_out =
+      on_threads(threads, [&] { return make_wide_bvh(geometry, tree, choose_kernels().node_width); });
   const auto first_triangles = geometry.first_triangles();
   auto structure = make_structure(std::move(laid_out.wide), {first_triangles.begin(), first_triangles.end()},
                                   tree.degenerate_triangles);

@@ -100,7 +100,9 @@ double leaf_count_variability(const Tree& tree) {
 
 Layout layout(const Bvh& bvh) {
   const Structure& structure = Structure::of(bvh);
-  return {.nodes = structure.wide.nodes,
+  return {.width = structure.wide.width,
+          .node_count = structure.wide.node_count,
+          .nodes = structure.wide.node_data,
           .leaves = structure.wide.leaves,
           .bounds = structure.wide.bounds,
           .largest_coordinate = structure.wide.largest_coordinate,

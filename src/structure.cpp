@@ -14,8 +14,8 @@ std::shared_ptr<Structure> make_structure(WideBvh wide, std::vector<std::uint32_
   statistics.triangles = structure->first_triangles.back();
   statistics.degenerate_triangles = degenerate_triangles;
   statistics.references = structure->wide.references();
-  statistics.nodes = structure->wide.nodes.size();
-  statistics.bytes = structure->wide.nodes.size_bytes() + structure->wide.leaves.size_bytes();
+  statistics.nodes = structure->wide.node_count;
+  statistics.bytes = structure->wide.node_bytes() + structure->wide.leaves.size_bytes();
   return structure;
 }
 

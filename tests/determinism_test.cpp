@@ -14,8 +14,11 @@
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
 
+#include "construction/construct.hpp"
 #include "files/checksum.hpp"
+#include "layout/lay_out.hpp"
 #include "math/vec3f.hpp"
+#include "structure.hpp"
 #include "support/targets.hpp"
 #include "support/temporary_directory.hpp"
 #include "workbench/generate/generated_scenes.hpp"
@@ -37,9 +40,16 @@ std::string checksum_of(std::span<const T> values) {
   return fmt::format("{:016x}", kerf::checksum(std::as_bytes(values)));
 }
 
-std::string checksum_of_file(const workbench::Scene& scene, Builder builder) {
+// Of the file of a machine whose nodes have `width` children.
+std::string checksum_of_file(const workbench::Scene& scene, Builder builder, std::uint32_t width) {
+  const kerf::TriangleMesh mesh = scene.mesh();
+  const kerf::Geometry geometry(std::span(&mesh, 1));
+  const kerf::BinaryTree tree = kerf::construct(geometry, {.builder = builder});
+  const auto first = geometry.first_triangles();
+  const auto structure = kerf::make_structure(kerf::make_wide_bvh(geometry, tree, width).wide,
+                                              {first.begin(), first.end()}, tree.degenerate_triangles);
   const TemporaryDirectory directory;
-  kerf::build(scene.mesh(), {.builder = builder}).save(directory / "scene.kerf");
+  kerf::Structure::share(structure).save(directory / "scene.kerf");
   return checksum_of(std::span<const char>(read_bytes(directory / "scene.kerf")));
 }
 
@@ -86,26 +96,32 @@ std::string checksum_of_answers(const kerf::Bvh& bvh) {
 
 TEST(Determinism, FilesAreTheSameOnEveryMachine) {
   struct Expected {
-    std::string_view scene, sbvh, bvh, esc, evh;
+    std::string_view scene, sbvh_16, sbvh_8, sbvh_4, bvh, esc, evh;
   };
   for (const Expected& expected : {
-           Expected{"atrium", "a87199d93c51ec6f", "712152d847f14199", "2cc782fc85ecd94e", "54bb0c79407e7146"},
-           Expected{"conference", "ba6a19462318e30f", "1880f484afcb0ace", "40e45846a055045b",
-                    "2d16061ca1501351"},
-           Expected{"hairball", "48efb27c93d2b7db", "4ada39587eb48fbd", "b6587a550f0725de",
-                    "a3689105dabd9b43"},
-           Expected{"city", "59e3eb53d9aaf804", "23d2d0048d03c632", "bb67909bb3aa83ab", "2538dc7402e5013a"},
-           Expected{"terrain", "12d93fafaf844dbc", "169d1020ac20db96", "a23ecbe44673759c",
-                    "db632eca3cc7bc73"},
-           Expected{"sticks", "8aa20a787bd2fd59", "58d357c1c4cdbcb1", "62bf8000f5221e34", "6c4163852c01e319"},
+           Expected{"atrium", "b15d752cfb3abc84", "1a417d14c71a340f", "af3c433d224518de", "1acd159f72770e2d",
+                    "d1bd52ba2d4ef2cb", "991271df7d0b504f"},
+           Expected{"conference", "1d574ac8e183aff1", "58b57f087fd2e544", "dd35c0fee54e6ee0",
+                    "001dc72d6c241c78", "1594f98eadc350cd", "ecea434435a4bbd5"},
+           Expected{"hairball", "8431738151cbd764", "8661c123d4aa8917", "00c79ac395e38889",
+                    "78f4c7a7b1ee78ad", "c025a12306730488", "22f3deb6f3a9ea8a"},
+           Expected{"city", "9fed0d6f34f33234", "343d224894f79a30", "80107f7022af1749", "2533cf82e2ec75f3",
+                    "f8840eebfa362a7a", "267522162c2c3fc3"},
+           Expected{"terrain", "9698e735728a1d26", "a60474537c6cbe96", "e443cba480c431c7", "9dd585bd0d1f31c8",
+                    "320a2e640453a34e", "dfa579d8b0d4fe00"},
+           Expected{"sticks", "6f1803ee42fee789", "c23cf9035922a7b2", "a8702381d10b8312", "2adaf241734c2494",
+                    "1724ce5a067ea5c2", "be4b47d74aec8ded"},
        }) {
     SCOPED_TRACE(expected.scene);
     const workbench::Scene scene = make_scene(expected.scene);
-    EXPECT_EQ(checksum_of_file(scene, Builder::bvh), expected.bvh);
-    EXPECT_EQ(checksum_of_file(scene, Builder::esc), expected.esc);
-    EXPECT_EQ(checksum_of_file(scene, Builder::evh), expected.evh);
-    kerf_tests::for_each_target(
-        [&](const kerf::Target&) { EXPECT_EQ(checksum_of_file(scene, Builder::sbvh), expected.sbvh); });
+    EXPECT_EQ(checksum_of_file(scene, Builder::bvh, 16), expected.bvh);
+    EXPECT_EQ(checksum_of_file(scene, Builder::esc, 16), expected.esc);
+    EXPECT_EQ(checksum_of_file(scene, Builder::evh, 16), expected.evh);
+    kerf_tests::for_each_target([&](const kerf::Target&) {
+      EXPECT_EQ(checksum_of_file(scene, Builder::sbvh, 16), expected.sbvh_16);
+      EXPECT_EQ(checksum_of_file(scene, Builder::sbvh, 8), expected.sbvh_8);
+      EXPECT_EQ(checksum_of_file(scene, Builder::sbvh, 4), expected.sbvh_4);
+    });
   }
 }
 

@@ -33,8 +33,9 @@ TEST_F(Inspect, BuildIsBuildTreeAndMakeBvh) {
   EXPECT_EQ(stages.statistics().references, whole.statistics().references);
   EXPECT_EQ(stages.statistics().bytes, whole.statistics().bytes);
   const Layout a = layout(whole), b = layout(stages);
-  ASSERT_EQ(a.nodes.size(), b.nodes.size());
-  EXPECT_EQ(std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size_bytes()), 0);
+  ASSERT_EQ(a.width, b.width);
+  ASSERT_EQ(a.node_count, b.node_count);
+  EXPECT_EQ(std::memcmp(a.nodes, b.nodes, std::size_t{32} * a.width * a.node_count), 0);
   EXPECT_TRUE(std::equal(a.leaves.begin(), a.leaves.end(), b.leaves.begin(), b.leaves.end()));
 }
 
@@ -61,7 +62,7 @@ TEST_F(Inspect, ATreeOfNothingHasNothing) {
     EXPECT_EQ(end_point_overlap(tree), 0.0);
     EXPECT_TRUE(make_bvh(tree).bounds().empty());
   }
-  EXPECT_TRUE(layout(Bvh()).nodes.empty());
+  EXPECT_EQ(layout(Bvh()).node_count, 0u);
   EXPECT_TRUE(instruction_set(Bvh()).empty());
 }
 
@@ -106,7 +107,7 @@ TEST_F(Inspect, CountedRaysHitAsOthersDo) {
 
 TEST_F(Inspect, JoinedMeshesAreOne) {
   const Bvh bvh = build(meshes(), options), joined = join_meshes(bvh);
-  EXPECT_EQ(layout(joined).nodes.data(), layout(bvh).nodes.data());
+  EXPECT_EQ(layout(joined).nodes, layout(bvh).nodes);
   std::mt19937 random(6);
   std::size_t hits = 0;
   for (int i = 0; i < 500; ++i) {
@@ -127,8 +128,9 @@ TEST_F(Inspect, StepsCanBeRepeated) {
   const Bvh bvh = build(meshes(), options);
   const Ray ray{.origin = {0.5f, 0.5f, -1.0f}, .direction = {0.01f, 0.01f, 1.0f}};
   repeat_node_steps(bvh, ray, 10);
-  for (const ChildLink child : layout(bvh).nodes[0].children) {
-    if (child.is_leaf()) repeat_leaf_tests(bvh, ray, child, 10);
+  const Layout arrays = layout(bvh);
+  for (std::uint32_t slot = 0; slot < arrays.width; ++slot) {
+    if (const ChildLink child = arrays.child(0, slot); child.is_leaf()) repeat_leaf_tests(bvh, ray, child, 10);
   }
   EXPECT_EQ(instruction_set(bvh), instruction_set());
 }

@@ -29,12 +29,16 @@ void check_meshes(std::span<const std::uint32_t> first, const FileHeader& header
   }
 }
 
-// Whether the order names each of the sixteen slots once.
-bool is_permutation(std::uint64_t order) {
+// Whether the order names each slot once, and nothing else.
+template <class Node>
+bool is_permutation(typename Node::Order order) {
   std::uint32_t named = 0;
-  for (std::uint32_t place = 0; place < wide_node_children; ++place)
-    named |= 1u << ((order >> (4 * place)) & 15);
-  return named == 0xffff;
+  for (std::uint32_t place = 0; place < Node::width; ++place)
+    named |= 1u << ((order >> (Node::slot_bits * place)) & ((1u << Node::slot_bits) - 1));
+  if constexpr (8 * sizeof(order) > Node::slot_bits * Node::width) {
+    if (order >> (Node::slot_bits * Node::width) != 0) return false;
+  }
+  return named == (1u << Node::width) - 1;
 }
 
 // Infinities and values that are not numbers have all bits of the exponent set.
@@ -48,17 +52,18 @@ bool all_finite(const std::uint32_t* words, std::size_t count) {
 
 // Links lead to later nodes only, and no two lead to the same node. That is a tree, in which every traversal
 // comes to an end.
+template <class Node>
 void check_links(const WideBvh& wide) {
   static_assert(max_tree_depth < 255);
-  std::vector<std::uint8_t> depths(wide.nodes.size(), 0);  // of each node; 0 until a link to it is met
+  std::vector<std::uint8_t> depths(wide.node_count, 0);  // of each node; 0 until a link to it is met
   depths[0] = 1;
   std::uint32_t max_depth = 0;
-  for (std::uint32_t number = 0; number < wide.nodes.size(); ++number) {
+  for (std::uint32_t number = 0; number < wide.node_count; ++number) {
     const std::uint8_t depth = depths[number];
     if (depth == 0) refuse("a node that no other leads to", number);
     if (depth > max_tree_depth) refuse("a node too deep for any traversal", number);
     max_depth = std::max<std::uint32_t>(max_depth, depth);
-    for (const ChildLink child : wide.nodes[number].children) {
+    for (const ChildLink child : wide.nodes<Node>()[number].children) {
       if (child.is_leaf()) continue;
       if (child.node() <= number || child.node() >= depths.size())
         refuse("a link to an impossible node", number);
@@ -70,17 +75,18 @@ void check_links(const WideBvh& wide) {
 }
 
 // Checks the orders, boxes and leaves of a node.
+template <class Node>
 class NodeCheck {
  public:
   NodeCheck(const WideBvh& wide, std::uint32_t triangles)
       : wide_(wide), triangles_(triangles), references_(wide.references()) {}
 
   void operator()(std::uint32_t number) {
-    const WideNode& node = wide_.nodes[number];
-    if (!std::all_of(std::begin(node.order), std::end(node.order), is_permutation)) {
+    const Node& node = wide_.nodes<Node>()[number];
+    if (!std::all_of(std::begin(node.order), std::end(node.order), is_permutation<Node>)) {
       refuse("a node whose visiting order does not name each child once", number);
     }
-    for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
+    for (std::uint32_t slot = 0; slot < Node::width; ++slot) {
       const ChildLink child = node.children[slot];
       const Box3f box = child_box(node, slot);
       if (box == Box3f{}) {
@@ -118,10 +124,11 @@ class NodeCheck {
   ChildLink unused_;  // the last one of an unused slot that was checked; a node if there is none
 };
 
+template <class Node>
 void check_nodes(const WideBvh& wide, std::uint32_t triangles) {
-  const auto count = static_cast<std::uint32_t>(wide.nodes.size());
+  const std::uint32_t count = wide.node_count;
   const auto check = [&](std::uint32_t begin, std::uint32_t end) {
-    NodeCheck check_node(wide, triangles);
+    NodeCheck<Node> check_node(wide, triangles);
     for (std::uint32_t number = begin; number < end; ++number) check_node(number);
   };
   if (count <= nodes_per_block) return check(0, count);
@@ -139,7 +146,7 @@ void check_nodes(const WideBvh& wide, std::uint32_t triangles) {
 void check_structure(const WideBvh& wide, std::span<const std::uint32_t> first_triangles,
                      const FileHeader& header) {
   check_meshes(first_triangles, header);
-  if (wide.nodes.empty()) {
+  if (wide.empty()) {
     if (!wide.leaves.empty() || wide.depth != 0 || wide.bounds != Box3f{})
       refuse("triangles without nodes", 0);
     return;
@@ -151,8 +158,10 @@ void check_structure(const WideBvh& wide, std::span<const std::uint32_t> first_t
   if (!is_finite(wide.bounds.lower) || !is_finite(wide.bounds.upper) || wide.bounds.empty()) {
     refuse("impossible bounds", 0);
   }
-  check_nodes(wide, first_triangles.back());
-  check_links(wide);
+  with_width(wide.width, [&](auto width) {
+    check_nodes<WideNode<width>>(wide, first_triangles.back());
+    check_links<WideNode<width>>(wide);
+  });
 }
 
 }  // namespace kerf

@@ -24,7 +24,7 @@ FileLayout::FileLayout(const FileHeader& header)
     : meshes_at(aligned(sizeof(FileHeader))),
       meshes_bytes((std::uint64_t{header.meshes} + 1) * sizeof(std::uint32_t)),
       nodes_at(aligned(meshes_at + meshes_bytes)),
-      nodes_bytes(std::uint64_t{header.nodes} * sizeof(WideNode)),
+      nodes_bytes(std::uint64_t{header.nodes} * header.node_width * 32),
       leaves_at(aligned(nodes_at + nodes_bytes)),
       leaves_bytes(header.leaf_words * sizeof(std::uint32_t)),
       file_bytes(aligned(leaves_at + leaves_bytes)) {}
@@ -37,14 +37,15 @@ FileHeader make_header(const Structure& structure) {
   const std::size_t ends =
       structure.first_triangles.size();  // one more than meshes, or none in an empty handle
   header.meshes = static_cast<std::uint32_t>(ends == 0 ? 0 : ends - 1);
-  header.nodes = static_cast<std::uint32_t>(wide.nodes.size());
+  header.nodes = wide.node_count;
+  header.node_width = wide.width;
   header.leaf_words = wide.leaves.size();
   header.depth = wide.depth;
   header.bounds = wide.bounds;
   static constexpr std::uint32_t no_triangles[] = {0};
   header.meshes_checksum = checksum(std::as_bytes(ends == 0 ? std::span<const std::uint32_t>(no_triangles)
                                                             : std::span(structure.first_triangles)));
-  header.nodes_checksum = checksum(std::as_bytes(wide.nodes));
+  header.nodes_checksum = checksum(wide.node_memory_view());
   header.leaves_checksum = checksum(std::as_bytes(wide.leaves));
   header.file_bytes = FileLayout(header).file_bytes;
   header.header_checksum = checksum(before_checksum(header));
@@ -65,9 +66,9 @@ FileHeader read_header(std::span<const std::byte> bytes, std::uint64_t file_byte
   }
   if (header.byte_order != FileHeader::native_byte_order)
     raise(Error::bad_format, "the byte order mark is damaged");
-  if (header.version != FileHeader::current_version) {
-    raise(Error::bad_format, "the file has format version %u, but this kerf reads version %u", header.version,
-          FileHeader::current_version);
+  if (header.version < FileHeader::oldest_version || header.version > FileHeader::current_version) {
+    raise(Error::bad_format, "the file has format version %u, but this kerf reads versions %u to %u",
+          header.version, FileHeader::oldest_version, FileHeader::current_version);
   }
   if (header.header_checksum != checksum(before_checksum(header)))
     raise(Error::bad_format, "the header is damaged: wrong checksum");
@@ -76,7 +77,13 @@ FileHeader read_header(std::span<const std::byte> bytes, std::uint64_t file_byte
       words_per_triangle * std::uint64_t{ChildLink::max_place} + leaf_padding_words;
   if (header.leaf_words > max_words || header.nodes > ChildLink::max_place)
     raise(Error::bad_format, "the header names impossible sizes");
-  if (header.zero != 0) raise(Error::bad_format, "the header has something where a zero belongs");
+  if (header.version == FileHeader::oldest_version) {
+    if (header.node_width != 0) raise(Error::bad_format, "the header has something where a zero belongs");
+    header.node_width = 16;
+  }
+  if (header.node_width != 16 && header.node_width != 8 && header.node_width != 4)
+    raise(Error::bad_format, "the header names nodes of %u children, but there are 16, 8 or 4",
+          header.node_width);
   if (header.file_bytes != FileLayout(header).file_bytes)
     raise(Error::bad_format, "the sizes in the header do not add up");
   if (header.file_bytes != file_bytes) {

@@ -17,7 +17,9 @@ struct FileHeader {
   /// Like that of PNG: a byte that is not text, the name, and line ends that a transfer as text would change.
   static constexpr std::array<unsigned char, 8> expected_magic{0x89, 'k', 'e', 'r', 'f', '\r', '\n', 0x1a};
   static constexpr std::uint32_t native_byte_order = 0x01020304;
-  static constexpr std::uint32_t current_version = 2;
+  static constexpr std::uint32_t current_version = 3;
+  /// Files of this version hold nodes of sixteen children and do not say so. They are still read.
+  static constexpr std::uint32_t oldest_version = 2;
 
   std::array<unsigned char, 8> magic = expected_magic;
   std::uint32_t byte_order = native_byte_order;
@@ -29,7 +31,7 @@ struct FileHeader {
   std::uint32_t nodes = 0;
   std::uint64_t leaf_words = 0;
   std::uint32_t depth = 0;
-  std::uint32_t zero = 0;
+  std::uint32_t node_width = 16;  ///< children of a node: 16, 8 or 4; a zero in version 2
   Box3f bounds;
   std::uint64_t meshes_checksum = 0;
   std::uint64_t nodes_checksum = 0;

@@ -40,7 +40,7 @@ Bvh Bvh::map(const std::filesystem::path& path) {
     check_header(file);
     std::shared_ptr<const std::byte> memory = file.map();
     const std::span image(memory.get(), static_cast<std::size_t>(file.size()));
-    return Structure::share(read_image(image, std::move(memory)));
+    return Structure::share(read_image(image, std::move(memory), OtherWidth::refuse));
   });
 }
 

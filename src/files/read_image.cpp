@@ -11,6 +11,8 @@
 #include "files/check_structure.hpp"
 #include "files/checksum.hpp"
 #include "files/file_header.hpp"
+#include "layout/change_width.hpp"
+#include "traversal/dispatch.hpp"
 
 namespace kerf {
 namespace {
@@ -44,7 +46,8 @@ Checksums checksums(std::span<const std::byte> meshes, std::span<const std::byte
 
 }  // namespace
 
-std::shared_ptr<Structure> read_image(std::span<const std::byte> image, std::shared_ptr<const void> owner) {
+std::shared_ptr<Structure> read_image(std::span<const std::byte> image, std::shared_ptr<const void> owner,
+                                      OtherWidth other_width) {
   const FileHeader header = read_header(image, image.size());
   const FileLayout layout(header);
   const auto meshes = image.subspan(layout.meshes_at, layout.meshes_bytes);
@@ -67,7 +70,9 @@ std::shared_ptr<Structure> read_image(std::span<const std::byte> image, std::sha
   std::vector<std::uint32_t> first_triangles(meshes.size() / sizeof(std::uint32_t));
   std::memcpy(first_triangles.data(), meshes.data(), meshes.size());
   WideBvh wide;
-  wide.nodes = {reinterpret_cast<const WideNode*>(nodes.data()), header.nodes};
+  wide.width = header.node_width;
+  wide.node_count = header.nodes;
+  wide.node_data = nodes.data();
   wide.leaves = {reinterpret_cast<const std::uint32_t*>(leaves.data()),
                  static_cast<std::size_t>(header.leaf_words)};
   wide.bounds = header.bounds;
@@ -76,6 +81,16 @@ std::shared_ptr<Structure> read_image(std::span<const std::byte> image, std::sha
   wide.node_memory = owner;
   wide.leaf_memory = std::move(owner);
   check_structure(wide, first_triangles, header);
+  const std::uint32_t width = choose_kernels().node_width;
+  if (!wide.empty() && wide.width != width) {
+    if (other_width == OtherWidth::refuse) {
+      raise(Error::bad_format,
+            "the file has nodes of %u children, but this machine traces nodes of %u: load the file instead, "
+            "or map one that was written on such a machine",
+            wide.width, width);
+    }
+    wide = isolated([&] { return change_width(wide, first_triangles.back(), width); });
+  }
   return make_structure(std::move(wide), std::move(first_triangles),
                         static_cast<std::size_t>(header.degenerate_triangles));
 }

@@ -24,7 +24,7 @@ void Bvh::save(const std::filesystem::path& path) const {
         padding(sizeof header, layout.meshes_at),
         std::as_bytes(first.empty() ? std::span<const std::uint32_t>(no_triangles) : std::span(first)),
         padding(layout.meshes_at + layout.meshes_bytes, layout.nodes_at),
-        std::as_bytes(structure_->wide.nodes),
+        structure_->wide.node_memory_view(),
         padding(layout.nodes_at + layout.nodes_bytes, layout.leaves_at),
         std::as_bytes(structure_->wide.leaves),
         padding(layout.leaves_at + layout.leaves_bytes, layout.file_bytes),

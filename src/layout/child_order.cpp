@@ -14,24 +14,25 @@ Prospect prospect_of_leaf(std::uint32_t triangles) {
   return {0.3f, costs.leaf + costs.triangle * static_cast<float>(triangles)};
 }
 
+template <std::uint32_t width>
 Prospect arrange(Target target, const BinaryTree& tree, const Collapse::Children& children,
-                 const std::array<Prospect, wide_node_children>& prospects, WideNode& node) {
+                 const std::array<Prospect, max_node_width>& prospects, WideNode<width>& node) {
   const std::uint32_t count = children.count;
   // The slot of a child is the number of children before it. Compilers vectorise loops over all slots.
-  std::array<float, wide_node_children> value;
-  std::array<std::uint32_t, wide_node_children> slots{}, from;
+  std::array<float, width> value;
+  std::array<std::uint32_t, width> slots{}, from;
   value.fill(std::numeric_limits<float>::infinity());
   for (std::uint32_t child = 0; child < count; ++child)
     value[child] = prospects[child].hit / prospects[child].steps;
   for (std::uint32_t child = 0; child < count; ++child) {
-    for (std::uint32_t other = 0; other < wide_node_children; ++other) {
+    for (std::uint32_t other = 0; other < width; ++other) {
       const bool is_less = value[child] < value[other], is_no_more = value[child] <= value[other];
       slots[other] += std::uint32_t{is_less} | (std::uint32_t{is_no_more} & std::uint32_t{child < other});
     }
   }
   for (std::uint32_t child = 0; child < count; ++child) from[slots[child]] = child;
-  std::array<const BinaryNode*, wide_node_children> binaries{};
-  std::array<ChildLink, wide_node_children> links;
+  std::array<const BinaryNode*, width> binaries{};
+  std::array<ChildLink, width> links;
   Box3f bounds;
   for (std::uint32_t slot = 0; slot < count; ++slot) {
     binaries[slot] = &tree.nodes[children.node[from[slot]]];
@@ -51,5 +52,12 @@ Prospect arrange(Target target, const BinaryTree& tree, const Collapse::Children
   }
   return {1.0f - miss, steps};
 }
+
+template Prospect arrange(Target, const BinaryTree&, const Collapse::Children&,
+                          const std::array<Prospect, max_node_width>&, WideNode<16>&);
+template Prospect arrange(Target, const BinaryTree&, const Collapse::Children&,
+                          const std::array<Prospect, max_node_width>&, WideNode<8>&);
+template Prospect arrange(Target, const BinaryTree&, const Collapse::Children&,
+                          const std::array<Prospect, max_node_width>&, WideNode<4>&);
 
 }  // namespace kerf

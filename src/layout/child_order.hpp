@@ -22,7 +22,8 @@ Prospect prospect_of_leaf(std::uint32_t triangles);
 /// traversal visits them, the first one in the last slot: by the probability of a hit per cost. That order is
 /// optimal if the children are independent (as for shadow rays in Ize & Hansen 2011, "RTSAH Traversal Order
 /// for Occlusion Rays"). Then writes what `write_children` does, and returns the prospect of the node.
+template <std::uint32_t width>
 Prospect arrange(Target target, const BinaryTree& tree, const Collapse::Children& children,
-                 const std::array<Prospect, wide_node_children>& prospects, WideNode& node);
+                 const std::array<Prospect, max_node_width>& prospects, WideNode<width>& node);
 
 }  // namespace kerf

@@ -17,15 +17,7 @@
 namespace kerf {
 namespace {
 
-constexpr std::uint32_t slots = Collapse::slots;
 constexpr float infinity = std::numeric_limits<float>::infinity();
-
-// D(n, i) and the k that gives it (of several, the lowest) for all i = 1 .. 16 at once, with k up to
-// `max_share`: element i - 1 is the minimum of C(left, k) + C(right, i - k). D(n, 1) is infinite.
-struct Distribution {
-  alignas(64) float cost[slots];
-  alignas(64) std::int32_t left_share[slots];
-};
 
 }  // namespace
 }  // namespace kerf
@@ -36,15 +28,17 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-#if KERF_FLOAT_LANES == 16
+#if KERF_FLOAT_LANES >= 8
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Lane i - 1 of the k-th takes lane i - k - 1. Where there is none it takes the last, which is made infinite.
+template <std::uint32_t slots>
 struct Lanes {
   alignas(64) std::int32_t of[slots - 1][slots];
 };
-constexpr Lanes lanes = [] {
-  Lanes table{};
+template <std::uint32_t slots>
+constexpr Lanes<slots> lanes = [] {
+  Lanes<slots> table{};
   for (std::int32_t k = 1; k < std::int32_t{slots}; ++k) {
     for (std::int32_t lane = 0; lane < std::int32_t{slots}; ++lane)
       table.of[k - 1][lane] = lane < k ? std::int32_t{slots} - 1 : lane - k;
@@ -52,7 +46,9 @@ constexpr Lanes lanes = [] {
   return table;
 }();
 
-void distribute(const float* left, std::int32_t max_share, const float* right, Distribution& to) {
+template <std::uint32_t slots>
+HWY_INLINE void distribute_in_vector(const float* left, std::int32_t max_share, const float* right,
+                                     Distribution& to) {
   constexpr hn::FixedTag<float, slots> floats;
   constexpr hn::FixedTag<std::int32_t, slots> ints;
   const auto none = hn::Set(floats, infinity);
@@ -60,7 +56,7 @@ void distribute(const float* left, std::int32_t max_share, const float* right, D
   auto best = none;
   auto share = hn::Set(ints, 1);
   for (std::int32_t k = 1; k <= max_share; ++k) {
-    const auto shifted = hn::TableLookupLanes(costs, hn::SetTableIndices(floats, lanes.of[k - 1]));
+    const auto shifted = hn::TableLookupLanes(costs, hn::SetTableIndices(floats, lanes<slots>.of[k - 1]));
     const auto sum = hn::Add(hn::Set(floats, left[k - 1]), shifted);
     const auto better = hn::Lt(sum, best);
     best = hn::IfThenElse(better, sum, best);
@@ -69,8 +65,11 @@ void distribute(const float* left, std::int32_t max_share, const float* right, D
   hn::Store(best, floats, to.cost);
   hn::Store(share, ints, to.left_share);
 }
-#else
-void distribute(const float* left, std::int32_t max_share, const float* right, Distribution& to) {
+#endif
+
+template <std::uint32_t slots>
+HWY_INLINE void distribute_one_by_one(const float* left, std::int32_t max_share, const float* right,
+                                      Distribution& to) {
   float shifted[2 * slots];  // what begins at slots - k begins with k infinite costs
   std::fill_n(shifted, slots, infinity);
   std::copy_n(right, slots, shifted + slots);
@@ -85,7 +84,24 @@ void distribute(const float* left, std::int32_t max_share, const float* right, D
     }
   }
 }
+
+void distribute_16(const float* left, std::int32_t max_share, const float* right, Distribution& to) {
+#if KERF_FLOAT_LANES == 16
+  distribute_in_vector<16>(left, max_share, right, to);
+#else
+  distribute_one_by_one<16>(left, max_share, right, to);
 #endif
+}
+void distribute_8(const float* left, std::int32_t max_share, const float* right, Distribution& to) {
+#if KERF_FLOAT_LANES >= 8
+  distribute_in_vector<8>(left, max_share, right, to);
+#else
+  distribute_one_by_one<8>(left, max_share, right, to);
+#endif
+}
+void distribute_4(const float* left, std::int32_t max_share, const float* right, Distribution& to) {
+  distribute_one_by_one<4>(left, max_share, right, to);
+}
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
@@ -96,16 +112,19 @@ HWY_AFTER_NAMESPACE();
 namespace kerf {
 namespace {
 
-HWY_EXPORT(distribute);
+HWY_EXPORT(distribute_16);
+HWY_EXPORT(distribute_8);
+HWY_EXPORT(distribute_4);
 
 // Both halves of a subtree with more nodes than this are solved in parallel.
 constexpr std::uint32_t max_serial_nodes = 4096;
 
 // The same where one subtree is a leaf. A leaf costs the same in any number of slots: it takes one, the other
 // subtree takes the rest.
-void distribute_beside_leaf(float leaf, const float* other, bool leaf_is_left, Distribution& to) {
+void distribute_beside_leaf(float leaf, const float* other, bool leaf_is_left, std::uint32_t width,
+                            Distribution& to) {
   to.cost[0] = infinity;
-  for (std::uint32_t i = 2; i <= slots; ++i) {
+  for (std::uint32_t i = 2; i <= width; ++i) {
     to.cost[i - 1] = leaf + other[i - 2];
     to.left_share[i - 1] = leaf_is_left ? 1 : static_cast<std::int32_t>(i) - 1;
   }
@@ -119,17 +138,17 @@ constexpr std::uint32_t share_shift(std::uint32_t i) {
   return shift;
 }
 struct Shares {
-  std::uint32_t shift[slots + 1], mask[slots + 1];
+  std::uint32_t shift[max_node_width + 1], mask[max_node_width + 1];
 };
 constexpr Shares shares = [] {
   Shares table{};
-  for (std::uint32_t i = 2; i <= slots; ++i) {
+  for (std::uint32_t i = 2; i <= max_node_width; ++i) {
     table.shift[i] = share_shift(i);
     table.mask[i] = (1u << std::bit_width(i - 1)) - 1;
   }
   return table;
 }();
-static_assert(share_shift(slots + 1) == 49);
+static_assert(share_shift(max_node_width + 1) == 49);
 
 std::uint64_t share_bits(std::uint32_t i, std::int32_t share) {
   return static_cast<std::uint64_t>(share) << shares.shift[i];
@@ -137,15 +156,21 @@ std::uint64_t share_bits(std::uint32_t i, std::int32_t share) {
 
 }  // namespace
 
-// C(n, i) for i = 1 .. 15, and what else a parent needs to know.
+// C(n, i) for i = 1 .. w - 1, and what else a parent needs to know.
 struct Collapse::Costs {
-  float of[slots];  // the last is not used
+  float of[max_node_width];  // the last is not used
   std::uint32_t references;
   std::uint32_t leaves;  // of the binary tree: no more slots can be used
 };
 
-Collapse::Collapse(const BinaryTree& tree, const CollapseCosts& costs, Target target)
-    : tree_(&tree), costs_(costs), target_(target), decisions_(tree.nodes.size()) {
+Collapse::Collapse(const BinaryTree& tree, std::uint32_t width, const CollapseCosts& costs, Target target)
+    : tree_(&tree),
+      costs_(costs),
+      distribute_(width == 16  ? KERF_DISPATCH(distribute_16, target)
+                  : width == 8 ? KERF_DISPATCH(distribute_8, target)
+                               : KERF_DISPATCH(distribute_4, target)),
+      width_(width),
+      decisions_(tree.nodes.size()) {
   if (tree.empty()) return;
   Costs root;
   solve(0, static_cast<std::uint32_t>(tree.nodes.size()), root);
@@ -177,7 +202,7 @@ void Collapse::solve_leaf(std::uint32_t node, Costs& costs) {
   const BinaryNode& binary = tree_->nodes[node];
   const float cost =
       half_area(binary.bounds) * (costs_.leaf + costs_.triangle * static_cast<float>(binary.count));
-  std::fill_n(costs.of, slots, cost);
+  std::fill_n(costs.of, width_, cost);
   costs.references = binary.count;
   costs.leaves = 1;
   decisions_[node] = leaf_bit | size_bits(binary.count);
@@ -187,18 +212,18 @@ void Collapse::solve_leaf(std::uint32_t node, Costs& costs) {
 void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right, Costs& costs) {
   Distribution best;
   if (left.leaves == 1) {
-    distribute_beside_leaf(left.of[0], right.of, true, best);
+    distribute_beside_leaf(left.of[0], right.of, true, width_, best);
   } else if (right.leaves == 1) {
-    distribute_beside_leaf(right.of[0], left.of, false, best);
+    distribute_beside_leaf(right.of[0], left.of, false, width_, best);
   } else {
-    const auto max_share = static_cast<std::int32_t>(std::min(slots - 1, left.leaves));
-    KERF_DISPATCH(distribute, target_)(left.of, max_share, right.of, best);
+    const auto max_share = static_cast<std::int32_t>(std::min(width_ - 1, left.leaves));
+    distribute_(left.of, max_share, right.of, best);
   }
   const float area = half_area(tree_->nodes[node].bounds);
   costs.references = left.references + right.references;
   costs.leaves = left.leaves + right.leaves;
   std::uint64_t decision = size_bits(costs.references);
-  float min_cost = area + best.cost[slots - 1];
+  float min_cost = area + best.cost[width_ - 1];
   if (costs.references <= wide_leaf_triangles) {
     const float leaf = area * (costs_.leaf + costs_.triangle * static_cast<float>(costs.references));
     if (leaf <= min_cost) {
@@ -207,15 +232,15 @@ void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right
     }
   }
   costs.of[0] = min_cost;
-  const std::uint32_t max_slots = std::min(slots - 1, costs.leaves);
+  const std::uint32_t max_slots = std::min(width_ - 1, costs.leaves);
   for (std::uint32_t i = 2; i <= max_slots; ++i) {
     const bool divides = best.cost[i - 1] < min_cost;
     min_cost = divides ? best.cost[i - 1] : min_cost;
     costs.of[i - 1] = min_cost;
     decision |= share_bits(i, divides ? best.left_share[i - 1] : 0);
   }
-  std::fill(costs.of + max_slots, costs.of + slots, min_cost);
-  decision |= share_bits(slots, best.left_share[slots - 1]);
+  std::fill(costs.of + max_slots, costs.of + width_, min_cost);
+  decision |= share_bits(width_, best.left_share[width_ - 1]);
   decisions_[node] = decision;
 }
 
@@ -236,7 +261,7 @@ void Collapse::expand(std::uint32_t node, std::uint32_t i, Children& children) c
 
 Collapse::Children Collapse::children(std::uint32_t node) const {
   Children children;
-  expand(node, slots, children);
+  expand(node, width_, children);
   return children;
 }
 

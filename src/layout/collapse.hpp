@@ -20,13 +20,20 @@ struct CollapseCosts {
   float triangle = 0.03f;  ///< on top, for each of its triangles, which are tested together
 };
 
-/// The cost-optimal way to cut a binary tree into nodes of up to sixteen children (Ylitie, Karras & Laine
+/// D(n, i) of `Collapse` and the k that gives it (of several, the lowest) for all i = 1 .. w at once, with k
+/// up to some maximum: element i - 1 is the minimum of C(left, k) + C(right, i - k). D(n, 1) is infinite.
+struct Distribution {
+  alignas(64) float cost[max_node_width];
+  alignas(64) std::int32_t left_share[max_node_width];
+};
+
+/// The cost-optimal way to cut a binary tree into nodes of up to w children (Ylitie, Karras & Laine
 /// 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3).
 ///
 /// With C(n, i) the minimum cost of the subtree n when it takes up to i slots of a wide node,
 ///
-///     C(n, 1) = min(leaf, A(n) + D(n, 16))          one child: a leaf or a wide node
-///     C(n, i) = min(D(n, i), C(n, i - 1))           2 <= i <= 15
+///     C(n, 1) = min(leaf, A(n) + D(n, w))           one child: a leaf or a wide node
+///     C(n, i) = min(D(n, i), C(n, i - 1))           2 <= i < w
 ///     D(n, i) = min over k of C(left, k) + C(right, i - k)
 ///
 /// Only its parent needs the costs of a node. What is kept are the decisions, which minimum was taken: eight
@@ -34,13 +41,13 @@ struct CollapseCosts {
 class Collapse {
  public:
   /// On all threads of the task arena that this is called in. `tree` must outlive this.
-  explicit Collapse(const BinaryTree& tree, const CollapseCosts& costs = {}, Target target = choose_target());
-
-  static constexpr std::uint32_t slots = wide_node_children;
+  /// Of nodes of `width` (w above) children: 16, 8 or 4.
+  Collapse(const BinaryTree& tree, std::uint32_t width, const CollapseCosts& costs = {},
+           Target target = choose_target());
 
   /// The binary nodes that are the children of the wide node of `node`, in the tree's order.
   struct Children {
-    std::array<std::uint32_t, slots> node;
+    std::array<std::uint32_t, max_node_width> node;
     std::uint32_t count = 0;
   };
   Children children(std::uint32_t node) const;
@@ -75,7 +82,8 @@ class Collapse {
   //     references,         bit width of     C(n, 1)      k of            k of    k of
   //     9 for more          their count      is a leaf    D(n, 16)        D(n, 3) D(n, 2)
   //
-  // A k of 0 says that C(n, i) = C(n, i - 1). Since k < i, it has std::bit_width(i - 1) bits.
+  // A k of 0 says that C(n, i) = C(n, i - 1). Since k < i, it has std::bit_width(i - 1) bits. In narrower
+  // nodes the upper ones are not used.
   static constexpr std::uint64_t leaf_bit = std::uint64_t{1} << 53;
   static constexpr std::uint32_t size_shift = 54, few_shift = 60;
 
@@ -88,7 +96,8 @@ class Collapse {
 
   const BinaryTree* tree_;
   CollapseCosts costs_;
-  Target target_;
+  void (*distribute_)(const float* left, std::int32_t max_share, const float* right, Distribution& to);
+  std::uint32_t width_;
   AlignedArray<std::uint64_t> decisions_;
 };
 

@@ -83,7 +83,7 @@ struct Section {
   bool is_subtree;
   Extent size, first;
   std::uint32_t max_depth;
-  std::array<Prospect, wide_node_children> below;  // of the children, if this is a single node
+  std::array<Prospect, max_node_width> below;  // of the children, if this is a single node
   Prospect prospect;
 };
 
@@ -92,10 +92,11 @@ constexpr std::uint32_t large_bits = 13;
 
 // Numbers nodes and leaves depth first, so that a subtree is contiguous: sections are found in this order,
 // measured in parallel, numbered, and written in parallel.
+template <class Node>
 class LayoutWriter {
  public:
-  LayoutWriter(const Geometry& geometry, const BinaryTree& tree)
-      : geometry_(geometry), tree_(tree), target_(choose_target()), collapse_(tree, {}, target_) {
+  LayoutWriter(const Geometry& geometry, const BinaryTree& tree, Target target, const Collapse& collapse)
+      : geometry_(geometry), tree_(tree), target_(target), collapse_(collapse) {
     find_sections(0, 0, 0, 1);
     parallel_for(sections_.size(), [&](std::size_t i) { measure(sections_[i]); });
     for (Section& section : sections_) {
@@ -111,7 +112,7 @@ class LayoutWriter {
   }
 
   LaidOut write() {
-    nodes_ = AlignedArray<WideNode>(total_.nodes);
+    nodes_ = AlignedArray<Node>(total_.nodes);
     leaves_ = AlignedArray<std::uint32_t>(words_per_triangle * total_.triangles + leaf_padding_words);
     std::fill_n(leaves_.data() + words_per_triangle * total_.triangles, leaf_padding_words, 0u);
     first_leaf_ = first_leaf();
@@ -129,14 +130,16 @@ class LayoutWriter {
       parent.below[section.slot] = section.prospect;
     }
     const Box3f& bounds = tree_.nodes[0].bounds;
-    const WideBvh wide{.nodes = {nodes_.data(), nodes_.size()},
+    const WideBvh wide{.width = Node::width,
+                       .node_count = static_cast<std::uint32_t>(nodes_.size()),
+                       .node_data = nodes_.data(),
                        .leaves = {leaves_.data(), leaves_.size()},
                        .bounds = bounds,
                        .largest_coordinate = largest_coordinate(bounds),
                        .depth = depth_,
                        .node_memory = nodes_.owner(),
                        .leaf_memory = leaves_.owner()};
-    return {wide, wide.nodes.size_bytes() + wide.leaves.size_bytes() + Collapse::bytes(tree_.nodes.size()) +
+    return {wide, wide.node_bytes() + wide.leaves.size_bytes() + Collapse::bytes(tree_.nodes.size()) +
                       sections_.capacity() * sizeof(Section)};
   }
 
@@ -204,7 +207,7 @@ class LayoutWriter {
       section.prospect = write_subtree(section.binary, next);
     } else {
       const Collapse::Children children = write_node(section.binary, section.below, next);
-      std::array<const BinaryNode*, wide_node_children> binaries{};
+      std::array<const BinaryNode*, max_node_width> binaries{};
       for (std::uint32_t slot = 0; slot < children.count; ++slot)
         binaries[slot] = &tree_.nodes[children.node[slot]];
       write_children(target_, binaries.data(), children.count, nodes_[section.first.nodes]);
@@ -213,8 +216,8 @@ class LayoutWriter {
   }
 
   Prospect write_subtree(std::uint32_t binary, Extent& next) const {
-    WideNode& node = nodes_[next.nodes];
-    std::array<Prospect, wide_node_children> below;
+    Node& node = nodes_[next.nodes];
+    std::array<Prospect, max_node_width> below;
     const Collapse::Children children = write_node(binary, below, next);
     for (std::uint32_t slot = 0; slot < children.count; ++slot) {
       if (collapse_.is_leaf(children.node[slot])) continue;
@@ -226,11 +229,11 @@ class LayoutWriter {
 
   // Writes the links to the children, in the tree's order, and the triangle numbers of the leaves among them.
   // Children that are nodes are numbered later.
-  Collapse::Children write_node(std::uint32_t binary, std::array<Prospect, wide_node_children>& below,
+  Collapse::Children write_node(std::uint32_t binary, std::array<Prospect, max_node_width>& below,
                                 Extent& next) const {
-    WideNode& node = nodes_[next.nodes++];
+    Node& node = nodes_[next.nodes++];
     const Collapse::Children children = collapse_.children(binary);
-    for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
+    for (std::uint32_t slot = 0; slot < Node::width; ++slot) {
       if (slot >= children.count) {
         node.children[slot] = first_leaf_;
       } else if (collapse_.is_leaf(children.node[slot])) {
@@ -248,9 +251,9 @@ class LayoutWriter {
 
   // Calls `visit` with the leaves of a node. The first slot with an empty box ends its children.
   template <class Visit>
-  void for_leaves(const WideNode& node, const Visit& visit) const {
+  void for_leaves(const Node& node, const Visit& visit) const {
     const auto& [lower, upper] = node.planes[0];
-    for (std::uint32_t slot = 0; slot < wide_node_children && lower[slot] <= upper[slot]; ++slot) {
+    for (std::uint32_t slot = 0; slot < Node::width && lower[slot] <= upper[slot]; ++slot) {
       if (node.children[slot].is_leaf()) visit(node.children[slot]);
     }
   }
@@ -283,31 +286,35 @@ class LayoutWriter {
   const Geometry& geometry_;
   const BinaryTree& tree_;
   const Target target_;
-  const Collapse collapse_;
+  const Collapse& collapse_;
   std::vector<Section> sections_;
   Extent total_;
   std::uint32_t depth_ = 0;
-  AlignedArray<WideNode> nodes_;
+  AlignedArray<Node> nodes_;
   AlignedArray<std::uint32_t> leaves_;
   ChildLink first_leaf_;
 };
 
 }  // namespace
 
-LaidOut make_wide_bvh(const Geometry& geometry, const BinaryTree& tree) {
+LaidOut make_wide_bvh(const Geometry& geometry, const BinaryTree& tree, std::uint32_t width) {
   if (tree.empty()) return {};
-  return LayoutWriter(geometry, tree).write();
+  const Target target = choose_target();
+  const Collapse collapse(tree, width, {}, target);
+  return with_width(
+      width, [&](auto w) { return LayoutWriter<WideNode<w>>(geometry, tree, target, collapse).write(); });
 }
 
 std::size_t layout_memory_bound(std::size_t references) {
   // A subtree of up to eight references is always cheapest as a leaf, so that a wide node has more than eight
-  // below it. A wide node and its parent have at least eighteen children together, or the parent would have
-  // taken those of the node. So at most one child in nine is a node.
-  static_assert(wide_node_children == 16 && wide_leaf_triangles == 8);
+  // below it. A wide node of width w and its parent have at least w + 2 children together, or the parent
+  // would have taken those of the node. So at most one child in w / 2 + 1 is a node: there are twice as many
+  // nodes of half the width and half the size.
+  static_assert(max_node_width == 16 && wide_leaf_triangles == 8);
   const std::size_t nodes = references / 8 + 1;
   // A section is the child of a node of at least 2^(large_bits - 1) references.
-  const std::size_t sections = 1 + wide_node_children * max_tree_depth * (references >> (large_bits - 1));
-  return nodes * sizeof(WideNode) +
+  const std::size_t sections = 1 + max_node_width * max_tree_depth * (references >> (large_bits - 1));
+  return nodes * sizeof(WideNode<max_node_width>) +
          (words_per_triangle * references + leaf_padding_words) * sizeof(std::uint32_t) +
          Collapse::bytes(2 * references) + 2 * sections * sizeof(Section);  // vectors grow by doubling
 }

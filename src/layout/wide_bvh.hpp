@@ -1,5 +1,6 @@
-// The structure that rays are traced through: nodes of sixteen children, and leaves of up to eight triangles
-// that are tested together. Flat arrays without pointers, so that a file of them can be traced where it lies.
+// The structure that rays are traced through: nodes of sixteen, eight or four children, and leaves of up to
+// eight triangles that are tested together. Flat arrays without pointers, so that a file of them can be
+// traced where it lies.
 #pragma once
 
 #include <algorithm>
@@ -8,29 +9,50 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <type_traits>
 
 #include <kerf/layout.hpp>
 
 namespace kerf {
 
-inline constexpr std::uint32_t wide_node_children = WideNode::width;
+/// The largest width of a node.
+inline constexpr std::uint32_t max_node_width = 16;
 inline constexpr std::uint32_t wide_leaf_triangles = max_leaf_triangles;
 
 /// The arrays, as `Layout` shows them, and what keeps their memory.
 struct WideBvh {
-  std::span<const WideNode> nodes;
+  std::uint32_t width = max_node_width;  ///< of all nodes
+  std::uint32_t node_count = 0;
+  const void* node_data = nullptr;
   std::span<const std::uint32_t> leaves;
   Box3f bounds;
   float largest_coordinate = 0.0f;
   std::uint32_t depth = 0;
 
-  std::shared_ptr<const void> node_memory, leaf_memory;  ///< keep what the spans show
+  std::shared_ptr<const void> node_memory, leaf_memory;  ///< keep what is shown above
 
-  bool empty() const { return nodes.empty(); }
+  bool empty() const { return node_count == 0; }
+  /// The nodes, `Node` being `WideNode<width>`.
+  template <class Node>
+  const Node* nodes() const {
+    return static_cast<const Node*>(node_data);
+  }
+  std::size_t node_bytes() const { return node_count * (std::size_t{32} * width); }
+  std::span<const std::byte> node_memory_view() const {
+    return {static_cast<const std::byte*>(node_data), node_bytes()};
+  }
   std::size_t references() const {
     return empty() ? 0 : (leaves.size() - leaf_padding_words) / words_per_triangle;
   }
 };
+
+/// Calls `call` with the constant `width`, which is 16, 8 or 4.
+template <class Call>
+auto with_width(std::uint32_t width, Call&& call) {
+  if (width == 16) return call(std::integral_constant<std::uint32_t, 16>());
+  if (width == 8) return call(std::integral_constant<std::uint32_t, 8>());
+  return call(std::integral_constant<std::uint32_t, 4>());
+}
 
 /// What a hierarchy within `bounds` has as its `largest_coordinate`.
 inline float largest_coordinate(const Box3f& bounds) {

@@ -9,23 +9,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#ifndef KERF_LAYOUT_WIDE_CHILDREN
-#define KERF_LAYOUT_WIDE_CHILDREN
-namespace kerf {
-namespace {
-
-constexpr std::uint32_t slots = wide_node_children;
-constexpr std::uint32_t octants = 8;
-static_assert(slots == 16, "an order is one word of four bits per slot, written in halves of eight slots");
-
-}  // namespace
-}  // namespace kerf
-#endif
-
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
+
+constexpr std::uint32_t octants = 8;
 
 // The place of a slot in the order of an octant is the number of slots before it. Distances are those of half
 // the centers, so that the sum of three coordinates stays finite.
@@ -63,7 +52,9 @@ HWY_INLINE void transpose(const BinaryNode* const* children, Row* rows) {
 }
 
 // One octant per lane.
-void write_children(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
+template <std::uint32_t slots>
+HWY_INLINE void write_in_vectors(const BinaryNode* const* children, std::uint32_t count,
+                                 WideNode<slots>& node) {
   alignas(32) float centers[3][slots];
   for (std::uint32_t first = 0; first < slots; first += 8) {
     Row rows[6];
@@ -110,11 +101,16 @@ void write_children(const BinaryNode* const* children, std::uint32_t count, Wide
   alignas(32) std::uint32_t halves[2][octants];
   hn::Store(nearer, i32x8, reinterpret_cast<std::int32_t*>(halves[0]));
   hn::Store(farther, i32x8, reinterpret_cast<std::int32_t*>(halves[1]));
-  for (std::uint32_t octant = 0; octant < octants; ++octant)
-    node.order[octant] = std::uint64_t{halves[1][octant]} << 32 | halves[0][octant];
+  for (std::uint32_t octant = 0; octant < octants; ++octant) {
+    node.order[octant] = static_cast<typename WideNode<slots>::Order>(std::uint64_t{halves[1][octant]} << 32 |
+                                                                      halves[0][octant]);
+  }
 }
-#else
-void write_children(const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
+#endif
+
+template <std::uint32_t slots>
+HWY_INLINE void write_one_by_one(const BinaryNode* const* children, std::uint32_t count,
+                                 WideNode<slots>& node) {
   float distances[slots][octants];
   for (std::uint32_t slot = 0; slot < slots; ++slot) {
     const Box3f& box = children[slot]->bounds;
@@ -142,12 +138,30 @@ void write_children(const BinaryNode* const* children, std::uint32_t count, Wide
     }
   }
   for (std::uint32_t octant = 0; octant < octants; ++octant) {
-    node.order[octant] = 0;
+    std::uint64_t order = 0;
     for (std::uint32_t slot = 0; slot < slots; ++slot)
-      node.order[octant] |= std::uint64_t{slot} << (4 * places[slot][octant]);
+      order |= std::uint64_t{slot} << (WideNode<slots>::slot_bits * places[slot][octant]);
+    node.order[octant] = static_cast<typename WideNode<slots>::Order>(order);
   }
 }
+
+void write_children_16(const BinaryNode* const* children, std::uint32_t count, WideNode<16>& node) {
+#if KERF_FLOAT_LANES >= 8
+  write_in_vectors<16>(children, count, node);
+#else
+  write_one_by_one<16>(children, count, node);
 #endif
+}
+void write_children_8(const BinaryNode* const* children, std::uint32_t count, WideNode<8>& node) {
+#if KERF_FLOAT_LANES >= 8
+  write_in_vectors<8>(children, count, node);
+#else
+  write_one_by_one<8>(children, count, node);
+#endif
+}
+void write_children_4(const BinaryNode* const* children, std::uint32_t count, WideNode<4>& node) {
+  write_one_by_one<4>(children, count, node);
+}
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
@@ -157,14 +171,24 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace kerf {
 
-HWY_EXPORT(write_children);
+HWY_EXPORT(write_children_16);
+HWY_EXPORT(write_children_8);
+HWY_EXPORT(write_children_4);
 
-void write_children(Target target, const BinaryNode* const* children, std::uint32_t count, WideNode& node) {
+template <std::uint32_t width>
+void write_children(Target target, const BinaryNode* const* children, std::uint32_t count,
+                    WideNode<width>& node) {
   static constexpr BinaryNode unused;
-  const BinaryNode* in_slots[slots];
-  std::fill(std::copy_n(children, count, in_slots), in_slots + slots, &unused);
-  KERF_DISPATCH(write_children, target)(in_slots, count, node);
+  const BinaryNode* in_slots[width];
+  std::fill(std::copy_n(children, count, in_slots), in_slots + width, &unused);
+  if constexpr (width == 16) KERF_DISPATCH(write_children_16, target)(in_slots, count, node);
+  if constexpr (width == 8) KERF_DISPATCH(write_children_8, target)(in_slots, count, node);
+  if constexpr (width == 4) KERF_DISPATCH(write_children_4, target)(in_slots, count, node);
 }
+
+template void write_children(Target, const BinaryNode* const*, std::uint32_t, WideNode<16>&);
+template void write_children(Target, const BinaryNode* const*, std::uint32_t, WideNode<8>&);
+template void write_children(Target, const BinaryNode* const*, std::uint32_t, WideNode<4>&);
 
 }  // namespace kerf
 #endif

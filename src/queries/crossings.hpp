@@ -71,12 +71,12 @@ void for_each_crossing(const Structure& structure, Ray ray, Visit&& visit) {
         if (later(found, last)) push(found);
       }
     } else {
-      const WideNode& node = bvh.nodes[item.link.node()];
-      float entry[wide_node_children];
-      for (std::uint32_t rest = structure.kernels->line_meets(node, line, entry); rest != 0;
-           rest &= rest - 1) {
+      float entry[max_node_width];
+      ChildLink children[max_node_width];
+      for (std::uint32_t rest = structure.kernels->line_meets(bvh, item.link.node(), line, entry, children);
+           rest != 0; rest &= rest - 1) {
         const int slot = std::countr_zero(rest);
-        push({entry[slot], 0, node.children[slot], 0.0f, 0.0f});
+        push({entry[slot], 0, children[slot], 0.0f, 0.0f});
       }
     }
   }

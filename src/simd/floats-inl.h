@@ -101,10 +101,11 @@ HWY_INLINE std::uint32_t less_or_equal(const Floats<count>& a, const Floats<coun
     r |= bits(typename Floats<count>::Tag(), hn::Le(a.vector[i], b.vector[i])) << (i * a.lanes);
   return r;
 }
-HWY_INLINE std::uint32_t less(const Float8& a, const Float8& b) {
+template <std::size_t count>
+HWY_INLINE std::uint32_t less(const Floats<count>& a, const Floats<count>& b) {
   std::uint32_t r = 0;
-  for (std::size_t i = 0; i < vector_count; ++i)
-    r |= bits(FloatTag(), hn::Lt(a.vector[i], b.vector[i])) << (i * vector_lanes);
+  for (std::size_t i = 0; i < a.vectors; ++i)
+    r |= bits(typename Floats<count>::Tag(), hn::Lt(a.vector[i], b.vector[i])) << (i * a.lanes);
   return r;
 }
 
@@ -127,9 +128,11 @@ HWY_INLINE V difference_of_products(V a, V b, V c, V d) {
   const V cd = hn::Mul(c, d);
   return hn::Add(hn::MulSub(a, b, cd), hn::NegMulAdd(c, d, cd));
 }
-HWY_INLINE Float8 difference_of_products(const Float8& a, const Float8& b, const Float8& c, const Float8& d) {
-  Float8 r;
-  for (std::size_t i = 0; i < vector_count; ++i)
+template <std::size_t count>
+HWY_INLINE Floats<count> difference_of_products(const Floats<count>& a, const Floats<count>& b,
+                                                const Floats<count>& c, const Floats<count>& d) {
+  Floats<count> r;
+  for (std::size_t i = 0; i < r.vectors; ++i)
     r.vector[i] = difference_of_products(a.vector[i], b.vector[i], c.vector[i], d.vector[i]);
   return r;
 }

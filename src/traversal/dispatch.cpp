@@ -21,6 +21,7 @@ const Kernels* kernels() {
   static const Kernels table{
       .target = hwy::TargetName(HWY_TARGET),
       .float_lanes = KERF_FLOAT_LANES,
+      .node_width = KERF_NODE_WIDTH,
 #include "traversal/kernels.def"
   };
 #undef KERF_KERNEL

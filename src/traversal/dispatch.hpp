@@ -16,8 +16,9 @@ namespace kerf {
 
 /// The kernels of one instruction set. Those of all instruction sets give the same results.
 struct Kernels {
-  const char* target;       ///< Highway's name of the instruction set
-  std::size_t float_lanes;  ///< in one of its vectors
+  const char* target;        ///< Highway's name of the instruction set
+  std::size_t float_lanes;   ///< in one of its vectors
+  std::uint32_t node_width;  ///< of the nodes that they trace
 
 #define KERF_KERNEL(name, Result, parameters) Result(*name) parameters;
 #include "traversal/kernels.def"

@@ -7,6 +7,7 @@
 
 #include "fuzz/forged_file.hpp"
 #include "layout/wide_bvh.hpp"
+#include "support/node_width.hpp"
 #include "support/temporary_directory.hpp"
 #include "tree/binary_tree.hpp"
 #include "workbench/generate/solids.hpp"
@@ -14,18 +15,24 @@
 namespace kerf {
 namespace {
 
-// A .kerf file in its sections.
+using Node = WideNode<16>;
+
+// A .kerf file in its sections, with nodes of sixteen children whatever the machine traces.
 struct Sections {
   FileHeader header;
   std::vector<std::uint32_t> first_triangles;
-  std::vector<WideNode> nodes;
+  std::vector<Node> nodes;
   std::vector<std::uint32_t> leaves;
 
-  explicit Sections(const Bvh& bvh)
-      : header(make_header(Structure::of(bvh))),
-        first_triangles(Structure::of(bvh).first_triangles),
-        nodes(Structure::of(bvh).wide.nodes.begin(), Structure::of(bvh).wide.nodes.end()),
-        leaves(Structure::of(bvh).wide.leaves.begin(), Structure::of(bvh).wide.leaves.end()) {}
+  explicit Sections(const Bvh& any_width) {
+    const Bvh bvh = kerf_tests::with_node_width(any_width, Node::width);
+    const Structure& structure = Structure::of(bvh);
+    const WideBvh& wide = structure.wide;
+    header = make_header(structure);
+    first_triangles = structure.first_triangles;
+    nodes.assign(wide.nodes<Node>(), wide.nodes<Node>() + wide.node_count);
+    leaves.assign(wide.leaves.begin(), wide.leaves.end());
+  }
 
   // Loads the sections as a file. Returns the sentence of the error, or "answers".
   std::string verdict() {
@@ -54,7 +61,7 @@ struct Sections {
 };
 
 // The first slot of a node that links to a leaf, or the first that links to a node.
-std::uint32_t slot_of(const WideNode& node, bool leaf) {
+std::uint32_t slot_of(const Node& node, bool leaf) {
   std::uint32_t slot = 0;
   while (node.children[slot].is_leaf() != leaf) ++slot;
   return slot;
@@ -87,7 +94,7 @@ TEST(CheckStructure, NodesThatAreNoTreeAreRefused) {
     sections.nodes[0].children[slot + 1] = sections.nodes[0].children[slot];
   });
   expect_refused(bvh, "a node that no other leads to", [](Sections& sections) {
-    const WideNode& last = sections.nodes.back();
+    const Node& last = sections.nodes.back();
     sections.nodes[0].children[slot_of(sections.nodes[0], false)] = last.children[slot_of(last, true)];
   });
   expect_refused(bvh, "a link to an impossible node", [](Sections& sections) {
@@ -104,7 +111,7 @@ TEST(CheckStructure, NodesThatAreNoTreeAreRefused) {
 TEST(CheckStructure, AChainOfNodesIsRefusedWhereItIsTooDeep) {
   for (const std::uint32_t depth : {max_tree_depth, max_tree_depth + 1, 254u, 300u}) {
     Sections sections(small());
-    sections.nodes.resize(depth, WideNode(sections.nodes[0]));
+    sections.nodes.resize(depth, Node(sections.nodes[0]));
     for (std::uint32_t i = 0; i + 1 < sections.nodes.size(); ++i)
       sections.nodes[i].children[0] = ChildLink::node(i + 1);
     sections.header.depth = depth;

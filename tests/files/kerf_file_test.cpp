@@ -9,6 +9,8 @@
 #include "support/adversarial.hpp"
 #include "support/build_options.hpp"
 #include "support/instrumented.hpp"
+#include "support/node_width.hpp"
+#include "support/targets.hpp"
 #include "support/temporary_directory.hpp"
 #include "workbench/generate/solids.hpp"
 #include "workbench/rays/aimed_rays.hpp"
@@ -205,7 +207,7 @@ TEST(KerfFile, OtherVersionsAndByteOrdersAreToldFromDamage) {
   std::reverse(swapped.begin() + 8, swapped.begin() + 12);
   EXPECT_EQ(sentence(swapped), "the file was written on a machine with the other byte order");
   file[12] = 9;
-  EXPECT_EQ(sentence(file), "the file has format version 9, but this kerf reads version 2");
+  EXPECT_EQ(sentence(file), "the file has format version 9, but this kerf reads versions 2 to 3");
 }
 
 TEST(KerfFile, EveryTruncationAndEveryChangedByteIsRefused) {
@@ -273,20 +275,93 @@ TEST(KerfFile, EveryForgedByteOfASmallFileIsRefusedOrAnswers) {
   EXPECT_EQ(refused, file.size());
 }
 
-// The reserved bytes of a header must be zeros, even if the checksum is right.
-TEST(KerfFile, SomethingWhereAZeroBelongsIsRefused) {
+TEST(KerfFile, AWidthOfNodesThatThereIsNotIsRefused) {
   const std::string file = saved(build(workbench::make_sphere(0).mesh()));
-  for (std::size_t i = offsetof(FileHeader, zero); i < offsetof(FileHeader, bounds); ++i) {
+  for (const std::uint32_t width : {0u, 1u, 5u, 12u, 32u, 0x01000010u}) {
     std::string changed = file;
-    changed[i] = 1;
+    std::memcpy(changed.data() + offsetof(FileHeader, node_width), &width, sizeof width);
     forged::sign(std::as_writable_bytes(std::span(changed)));
     EXPECT_EQ(error_of([&] { forged::load(bytes_of(changed)); }).second,
-              "the header has something where a zero belongs");
+              "the header names nodes of " + std::to_string(width) + " children, but there are 16, 8 or 4");
   }
 }
 
+// A traversal finds a shuffle in a table by the order of a node of four children.
+TEST(KerfFile, AnOrderWithMoreThanItsSlotsIsRefused) {
+  using Node = WideNode<4>;
+  std::string file = saved(kerf_tests::with_node_width(build(workbench::make_sphere(0).mesh()), 4));
+  FileHeader header;
+  std::memcpy(&header, file.data(), sizeof header);
+  file[FileLayout(header).nodes_at + offsetof(Node, order) + 1] = 1;
+  forged::sign(std::as_writable_bytes(std::span(file)));
+  EXPECT_EQ(error_of([&] { forged::load(bytes_of(file)); }).second,
+            "a node whose visiting order does not name each child once (0)");
+}
+
+// Version 2 knew nodes of sixteen children only, and had a zero where their width stands now.
+TEST(KerfFile, FilesOfTheVersionBeforeAreRead) {
+  const Bvh bvh = build(workbench::make_sphere(3).mesh());
+  std::string file = saved(kerf_tests::with_node_width(bvh, 16));
+  const auto put = [&](std::size_t at, std::uint32_t value) {
+    std::memcpy(file.data() + at, &value, sizeof value);
+    forged::sign(std::as_writable_bytes(std::span(file)));
+  };
+  put(offsetof(FileHeader, version), 2);
+  EXPECT_EQ(error_of([&] { forged::load(bytes_of(file)); }).second,
+            "the header has something where a zero belongs");
+  put(offsetof(FileHeader, node_width), 0);
+  const Bvh loaded = forged::load(bytes_of(file));
+  const Ray ray{.origin = {0.1f, 0.2f, -3.0f}, .direction = {0, 0, 1}};
+  EXPECT_TRUE(loaded.intersect(ray));
+  EXPECT_EQ(loaded.intersect(ray), bvh.intersect(ray));
+}
+
+// Whatever machine wrote the file: answers do not depend on the tree.
+TEST(KerfFile, NodesOfAnotherWidthAreConvertedByLoadAndRefusedByMap) {
+  const workbench::Solid torus = workbench::make_torus(48, 24),
+                         box = workbench::make_box({-1, -1, -1}, {1, 1, 1}, 4);
+  const TriangleMesh meshes[] = {torus.mesh(), box.mesh()};
+  const TemporaryDirectory directory;
+  const auto file = directory / "scene.kerf";
+  std::mt19937 random(3);
+  std::vector<Ray> rays(300);
+  for (Ray& ray : rays) {
+    ray = {.origin = adversarial::uniform_point(random, 2.0f),
+           .direction = adversarial::uniform_point(random, 1.0f)};
+  }
+  kerf_tests::for_each_target([&](const Target&) {
+    const Bvh bvh = build(meshes, spatial_splits_everywhere());
+    const std::uint32_t own_width = Structure::of(bvh).wide.width;
+    for (const std::uint32_t width : {16u, 8u, 4u}) {
+      SCOPED_TRACE(width);
+      kerf_tests::with_node_width(bvh, width).save(file);
+      const Bvh loaded = Bvh::load(file);
+      EXPECT_EQ(Structure::of(loaded).wide.width, own_width);
+      EXPECT_EQ(loaded.bounds(), bvh.bounds());
+      EXPECT_EQ(loaded.statistics().triangles, bvh.statistics().triangles);
+      EXPECT_EQ(loaded.statistics().references, bvh.statistics().references);
+      for (const Ray& ray : rays) {
+        ASSERT_EQ(loaded.intersect(ray), bvh.intersect(ray));
+        ASSERT_EQ(loaded.occluded(ray), bvh.occluded(ray));
+        ASSERT_EQ(loaded.contains(ray.origin), bvh.contains(ray.origin));
+        ASSERT_EQ(loaded.closest_point(ray.origin), bvh.closest_point(ray.origin));
+      }
+      if (width == own_width) {
+        EXPECT_TRUE(Bvh::map(file).intersect({.origin = {0, 0, -3}, .direction = {0, 0, 1}}));
+      } else {
+        const std::string sentence = error_of([&] { Bvh::map(file); }).second;
+        EXPECT_NE(sentence.find("the file has nodes of " + std::to_string(width) + " children"),
+                  std::string::npos)
+            << sentence;
+        EXPECT_NE(sentence.find("load the file instead"), std::string::npos) << sentence;
+      }
+    }
+  });
+}
+
 TEST(KerfFile, LinksThatLeadAstrayAreRefused) {
-  const std::string file = saved(build(workbench::make_sphere(3).mesh()));
+  using Node = WideNode<16>;
+  const std::string file = saved(kerf_tests::with_node_width(build(workbench::make_sphere(3).mesh()), 16));
   FileHeader header;
   std::memcpy(&header, file.data(), sizeof header);
   ASSERT_GT(header.nodes, 2u);
@@ -297,32 +372,32 @@ TEST(KerfFile, LinksThatLeadAstrayAreRefused) {
     forged::sign(std::as_writable_bytes(std::span(changed)));
     return error_of([&] { forged::load(bytes_of(changed)); }).second;
   };
-  const std::size_t first_link = offsetof(WideNode, children);
+  const std::size_t first_link = offsetof(Node, children);
   EXPECT_EQ(forge(first_link, ChildLink::node(0).bits()), "a link to an impossible node (0)");
   EXPECT_EQ(forge(first_link, ChildLink::node(header.nodes).bits()), "a link to an impossible node (0)");
   EXPECT_EQ(forge(first_link, ChildLink::leaf(ChildLink::max_place, 8).bits()),
             "a leaf outside the triangles (268435455)");
-  EXPECT_EQ(forge(offsetof(WideNode, order), 0),
-            "a node whose visiting order does not name each child once (0)");
+  EXPECT_EQ(forge(offsetof(Node, order), 0), "a node whose visiting order does not name each child once (0)");
 }
 
 // The file is large enough to be read and checked by several threads.
 TEST(KerfFile, OfALargeFileTheFirstWrongNodeIsNamedWhicheverThreadFindsOneFirst) {
+  using Node = WideNode<16>;
   const Bvh bvh = build(workbench::make_torus(256, 192).mesh());
   const TemporaryDirectory directory;
-  bvh.save(directory / "large.kerf");
+  bvh.save(directory / "own.kerf");
+  EXPECT_EQ(saved(Bvh::load(directory / "own.kerf")), read_bytes(directory / "own.kerf"));
+  kerf_tests::with_node_width(bvh, Node::width).save(directory / "large.kerf");
   const std::string file = read_bytes(directory / "large.kerf");
   ASSERT_GT(file.size(), std::size_t{1} << 22);
-  EXPECT_EQ(saved(Bvh::load(directory / "large.kerf")), file);
 
   FileHeader header;
   std::memcpy(&header, file.data(), sizeof header);
   ASSERT_GT(header.nodes, 1024u);
   std::string changed = file;
   const auto spoil = [&](std::uint32_t node) {
-    const std::size_t order =
-        FileLayout(header).nodes_at + node * sizeof(WideNode) + offsetof(WideNode, order);
-    std::memset(changed.data() + order, 0, sizeof(std::uint64_t));
+    const std::size_t order = FileLayout(header).nodes_at + node * sizeof(Node) + offsetof(Node, order);
+    std::memset(changed.data() + order, 0, sizeof(Node::Order));
     forged::sign(std::as_writable_bytes(std::span(changed)));
     return error_of([&] { forged::load(bytes_of(changed)); }).second;
   };

@@ -41,6 +41,7 @@ double leaf_cost(const BinaryTree& tree, std::uint32_t node) {
 // The definition as it stands, in double precision.
 struct Oracle {
   const BinaryTree& tree;
+  std::uint32_t width;
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> known{};
 
   double distribute(std::uint32_t node, std::uint32_t slots) {
@@ -57,7 +58,7 @@ struct Oracle {
     if (const auto found = known.find({node, slots}); found != known.end()) return found->second;
     double min_cost;
     if (slots == 1) {
-      min_cost = area(tree, node) + distribute(node, Collapse::slots);
+      min_cost = area(tree, node) + distribute(node, width);
       if (references_below(tree, node) <= 8) min_cost = std::min(min_cost, leaf_cost(tree, node));
     } else {
       min_cost = std::min(distribute(node, slots), cost(node, slots - 1));
@@ -67,10 +68,11 @@ struct Oracle {
 };
 
 // The cost of the wide tree that the collapse has chosen; checks that every leaf is allowed.
-double chosen_cost(const Collapse& collapse, const BinaryTree& tree, std::uint32_t node) {
+double chosen_cost(const Collapse& collapse, const BinaryTree& tree, std::uint32_t width,
+                   std::uint32_t node) {
   const Collapse::Children children = collapse.children(node);
   EXPECT_GE(children.count, 2u);
-  EXPECT_LE(children.count, Collapse::slots);
+  EXPECT_LE(children.count, width);
   double cost = area(tree, node);
   for (std::uint32_t i = 0; i < children.count; ++i) {
     const std::uint32_t child = children.node[i];
@@ -79,7 +81,7 @@ double chosen_cost(const Collapse& collapse, const BinaryTree& tree, std::uint32
       EXPECT_EQ(collapse.few_references(child), references_below(tree, child));
       cost += leaf_cost(tree, child);
     } else {
-      cost += chosen_cost(collapse, tree, child);
+      cost += chosen_cost(collapse, tree, width, child);
     }
   }
   return cost;
@@ -88,24 +90,29 @@ double chosen_cost(const Collapse& collapse, const BinaryTree& tree, std::uint32
 TEST(Collapse, NoOtherWideTreeIsCheaper) {
   for (std::uint32_t seed = 1; seed <= 10; ++seed) {
     const BinaryTree tree = tree_of(kerf_tests::random_triangles(40 * seed, 0.3f, 0.1f, seed));
-    Oracle oracle{tree};
-    const double best = area(tree, 0) + oracle.distribute(0, Collapse::slots);
-    EXPECT_NEAR(chosen_cost(Collapse(tree), tree, 0), best, 1e-5 * best) << "seed " << seed;
+    for (const std::uint32_t width : {16u, 8u, 4u}) {
+      Oracle oracle{tree, width};
+      const double best = area(tree, 0) + oracle.distribute(0, width);
+      EXPECT_NEAR(chosen_cost(Collapse(tree, width), tree, width, 0), best, 1e-5 * best)
+          << "seed " << seed << ", width " << width;
+    }
   }
 }
 
 TEST(Collapse, AnyInstructionSetMakesTheSameChoices) {
   const BinaryTree tree = tree_of(kerf_tests::random_triangles(2000, 0.3f, 0.1f));
-  const Collapse best(tree);
-  kerf_tests::for_each_target([&](const kerf::Target& target) {
-    const Collapse other(tree, {}, target);
-    for (std::uint32_t node = 0; node < tree.nodes.size(); ++node) {
-      const Collapse::Children ours = best.children(node), theirs = other.children(node);
-      ASSERT_EQ(ours.count, theirs.count);
-      ASSERT_TRUE(std::equal(ours.node.begin(), ours.node.begin() + ours.count, theirs.node.begin()));
-      ASSERT_EQ(best.is_leaf(node), other.is_leaf(node));
-    }
-  });
+  for (const std::uint32_t width : {16u, 8u, 4u}) {
+    const Collapse best(tree, width);
+    kerf_tests::for_each_target([&](const kerf::Target& target) {
+      const Collapse other(tree, width, {}, target);
+      for (std::uint32_t node = 0; node < tree.nodes.size(); ++node) {
+        const Collapse::Children ours = best.children(node), theirs = other.children(node);
+        ASSERT_EQ(ours.count, theirs.count);
+        ASSERT_TRUE(std::equal(ours.node.begin(), ours.node.begin() + ours.count, theirs.node.begin()));
+        ASSERT_EQ(best.is_leaf(node), other.is_leaf(node));
+      }
+    });
+  }
 }
 
 // The layout relies on this where it does not search leaves for duplicate triangles.

@@ -38,8 +38,9 @@ float distance_along(const kerf::Box3f& box, unsigned octant) {
   return sum;
 }
 
+template <class Node>
 std::uint64_t order_by_sorting(const std::vector<BinaryNode>& children, unsigned octant) {
-  std::vector<std::uint32_t> slots(kerf::wide_node_children);
+  std::vector<std::uint32_t> slots(Node::width);
   std::iota(slots.begin(), slots.end(), 0u);
   std::stable_sort(slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(children.size()),
                    [&](std::uint32_t a, std::uint32_t b) {
@@ -48,27 +49,31 @@ std::uint64_t order_by_sorting(const std::vector<BinaryNode>& children, unsigned
                    });
   std::uint64_t order = 0;
   for (std::uint32_t place = 0; place < slots.size(); ++place)
-    order |= std::uint64_t{slots[place]} << (4 * place);
+    order |= std::uint64_t{slots[place]} << (Node::slot_bits * place);
   return order;
 }
 
+template <class Node>
 void expect_written(const kerf::Target& target, const std::vector<BinaryNode>& children) {
   std::vector<const BinaryNode*> pointers;
   for (const BinaryNode& child : children) pointers.push_back(&child);
-  WideNode node;
+  Node node;
   kerf::write_children(target, pointers.data(), static_cast<std::uint32_t>(children.size()), node);
-  for (std::uint32_t slot = 0; slot < kerf::wide_node_children; ++slot) {
+  for (std::uint32_t slot = 0; slot < Node::width; ++slot) {
     EXPECT_EQ(kerf::child_box(node, slot), slot < children.size() ? children[slot].bounds : kerf::Box3f{});
   }
   for (unsigned octant = 0; octant < 8; ++octant)
-    EXPECT_EQ(node.order[octant], order_by_sorting(children, octant)) << "octant " << octant;
+    EXPECT_EQ(node.order[octant], order_by_sorting<Node>(children, octant)) << "octant " << octant;
 }
 
 TEST(WideChildren, BoxesAndOrdersAreAsDefinedOnAnyInstructionSet) {
   kerf_tests::for_each_target([](const kerf::Target& target) {
     std::mt19937 random(7);
-    for (std::uint32_t i = 0; i < 400; ++i)
-      expect_written(target, random_children(random, 1 + i % kerf::wide_node_children));
+    for (std::uint32_t i = 0; i < 400; ++i) {
+      expect_written<kerf::WideNode<16>>(target, random_children(random, 1 + i % 16));
+      expect_written<kerf::WideNode<8>>(target, random_children(random, 1 + i % 8));
+      expect_written<kerf::WideNode<4>>(target, random_children(random, 1 + i % 4));
+    }
   });
 }
 

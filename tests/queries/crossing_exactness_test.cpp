@@ -156,17 +156,25 @@ TEST(CrossingExactness, NoCrossingSeemsToComeBeforeItsBox) {
     if (t_crossing < 0.0f) continue;
     ++crossings;
     const Box3f box = bounds_of(triangle);
-    WideNode node{};
-    for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
-      for (int axis = 0; axis < 3; ++axis) {
-        node.planes[axis][0][slot] = box.lower[axis];
-        node.planes[axis][1][slot] = box.upper[axis];
-      }
-    }
-    float entry[wide_node_children];
     const PreparedLine line({.origin = origin, .direction = direction});
-    ASSERT_EQ(choose_kernels().line_meets(node, line, entry), 0xffffu);
-    for (const float t : entry) ASSERT_LE(t, t_crossing);
+    const Kernels& kernels = choose_kernels();
+    float entry[max_node_width];
+    with_width(kernels.node_width, [&](auto width) {
+      WideNode<width> node{};
+      for (std::uint32_t slot = 0; slot < width; ++slot) {
+        for (int axis = 0; axis < 3; ++axis) {
+          node.planes[axis][0][slot] = box.lower[axis];
+          node.planes[axis][1][slot] = box.upper[axis];
+        }
+      }
+      WideBvh bvh;
+      bvh.width = width;
+      bvh.node_count = 1;
+      bvh.node_data = &node;
+      ChildLink children[max_node_width];
+      ASSERT_EQ(kernels.line_meets(bvh, 0, line, entry, children), (1u << width) - 1);
+    });
+    for (std::uint32_t slot = 0; slot < kernels.node_width; ++slot) ASSERT_LE(entry[slot], t_crossing);
   }
   EXPECT_GT(crossings, 20000);
 }

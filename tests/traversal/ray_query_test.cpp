@@ -20,9 +20,10 @@ namespace {
 constexpr Box3f everywhere{{-1.0f, -1.0f, -1.0f}, {1.0f, 1.0f, 1.0f}};
 
 // All rays through the origin meet all of `children`, from the last to the first.
-WideNode node_of(std::span<const ChildLink> children) {
-  WideNode node{};
-  for (std::uint32_t slot = 0; slot < wide_node_children; ++slot) {
+template <class Node>
+Node node_of(std::span<const ChildLink> children) {
+  Node node{};
+  for (std::uint32_t slot = 0; slot < Node::width; ++slot) {
     const bool used = slot < children.size();
     for (int axis = 0; axis < 3; ++axis) {
       const float infinity = std::numeric_limits<float>::infinity();
@@ -30,8 +31,10 @@ WideNode node_of(std::span<const ChildLink> children) {
       node.planes[axis][1][slot] = used ? everywhere.upper[axis] : -infinity;
     }
     node.children[slot] = used ? children[slot] : ChildLink::leaf(0, 1);
-    for (std::uint64_t& order : node.order)
-      order |= std::uint64_t{wide_node_children - 1 - slot} << (4 * slot);
+    for (auto& order : node.order) {
+      order |= static_cast<typename Node::Order>(std::uint64_t{Node::width - 1 - slot}
+                                                 << (Node::slot_bits * slot));
+    }
   }
   return node;
 }
@@ -39,30 +42,33 @@ WideNode node_of(std::span<const ChildLink> children) {
 // Three full nodes at each depth. The children of the first are the next three and otherwise barren nodes,
 // the children of the other two are all barren. A ray that takes three nodes per step has all but three of
 // their children open at every depth.
-TEST(RayQuery, TheDeepestTreeWithTheMostOpenNodesFitsTheStack) {
+template <class Node>
+void expect_the_deepest_tree_to_fit() {
+  const std::span<const ChildLink> nothing;
   constexpr std::uint32_t fertile = 3;
   const ChildLink barren = ChildLink::node(1);
-  const std::vector<ChildLink> all_barren(wide_node_children, barren);
-  std::vector<WideNode> nodes(2, node_of({}));  // the root, which is written later, and the barren one
+  const std::vector<ChildLink> all_barren(Node::width, barren);
+  std::vector<Node> nodes(2, node_of<Node>(nothing));  // the root, which is written later, and the barren one
   std::size_t visits = 1;
   std::size_t first = 0;
   for (std::uint32_t depth = 1; depth < max_tree_depth; ++depth) {
     const auto next = static_cast<std::uint32_t>(nodes.size());
-    std::vector<ChildLink> children(wide_node_children, barren);
-    for (std::uint32_t i = 0; i < fertile; ++i)
-      children[wide_node_children - 1 - i] = ChildLink::node(next + i);
-    nodes[first] = node_of(children);
-    visits += wide_node_children;
+    std::vector<ChildLink> children(Node::width, barren);
+    for (std::uint32_t i = 0; i < fertile; ++i) children[Node::width - 1 - i] = ChildLink::node(next + i);
+    nodes[first] = node_of<Node>(children);
+    visits += Node::width;
     first = next;
-    nodes.push_back(node_of({}));  // gets its children in the next iteration
+    nodes.push_back(node_of<Node>(nothing));  // gets its children in the next iteration
     const bool last = depth + 1 == max_tree_depth;
     for (std::uint32_t i = 1; i < fertile; ++i) {
-      nodes.push_back(last ? node_of({}) : node_of(all_barren));
-      if (!last) visits += wide_node_children;
+      nodes.push_back(last ? node_of<Node>(nothing) : node_of<Node>(all_barren));
+      if (!last) visits += Node::width;
     }
   }
   const std::vector<std::uint32_t> leaves(words_per_triangle + leaf_padding_words);
-  const WideBvh bvh{.nodes = nodes,
+  const WideBvh bvh{.width = Node::width,
+                    .node_count = static_cast<std::uint32_t>(nodes.size()),
+                    .node_data = nodes.data(),
                     .leaves = leaves,
                     .bounds = everywhere,
                     .largest_coordinate = 1.0f,
@@ -75,6 +81,13 @@ TEST(RayQuery, TheDeepestTreeWithTheMostOpenNodesFitsTheStack) {
   EXPECT_FALSE(choose_kernels().any_counted(bvh, ray, any));
   EXPECT_EQ(closest.steps, visits);
   EXPECT_EQ(any.steps, visits);
+}
+
+TEST(RayQuery, TheDeepestTreeWithTheMostOpenNodesFitsTheStack) {
+  kerf_tests::for_each_target([](const Target&) {
+    with_width(choose_kernels().node_width,
+               [](auto width) { expect_the_deepest_tree_to_fit<WideNode<width>>(); });
+  });
 }
 
 TEST(RayQuery, CountingChangesNoHit) {

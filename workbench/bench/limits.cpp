@@ -48,14 +48,14 @@ Bvh layers() {
 
 StepTimes measure_steps() {
   const Bvh bvh = layers();
-  const WideNode& root = layout(bvh).nodes[0];
   // Through the boxes of the layers, but beside their triangles.
   const Ray ray{.origin = {0.9f, 0.9f, -1.0f}, .direction = {0.01f, 0.01f, 1.0f}};
-  const auto leaf = std::find_if(std::begin(root.children), std::end(root.children),
-                                 [](ChildLink child) { return child.is_leaf(); });
+  const Layout arrays = layout(bvh);
+  ChildLink leaf = ChildLink::node(0);
+  while (!leaf.is_leaf()) leaf = arrays.child(leaf.node(), 0);
   StepTimes times;
   times.node_ns = best_ns_per_step([&] { repeat_node_steps(bvh, ray, steps_per_run); });
-  times.leaf_ns = best_ns_per_step([&] { repeat_leaf_tests(bvh, ray, *leaf, steps_per_run); });
+  times.leaf_ns = best_ns_per_step([&] { repeat_leaf_tests(bvh, ray, leaf, steps_per_run); });
   return times;
 }
 

@@ -11,7 +11,7 @@
 namespace kerf::cuda {
 namespace {
 
-/// Between a wide node and its children, of which there are up to sixteen, binary nodes stand where the
+/// Between a wide node and its children, binary nodes stand where the
 /// surface area heuristic finds them cheapest.
 class LayoutReader {
  public:
@@ -19,9 +19,9 @@ class LayoutReader {
 
   SourceTree read() {
     tree_.bounds = layout_.bounds;
-    if (layout_.nodes.empty()) return {};
+    if (layout_.node_count == 0) return {};
     tree_.nodes.push_back({.box = layout_.bounds});
-    expand(0, layout_.nodes[0]);
+    expand(0, 0);
     return std::move(tree_);
   }
 
@@ -45,11 +45,11 @@ class LayoutReader {
     return x * (y + z) + y * z;
   }
 
-  void expand(std::uint32_t place, const WideNode& node) {
+  void expand(std::uint32_t place, std::uint32_t node) {
     std::vector<Child> children;
-    for (std::uint32_t slot = 0; slot < WideNode::width; ++slot) {
-      const Box3f box = child_box(node, slot);
-      if (!box.empty()) children.push_back({box, node.children[slot]});
+    for (std::uint32_t slot = 0; slot < layout_.width; ++slot) {
+      const Box3f box = layout_.box(node, slot);
+      if (!box.empty()) children.push_back({box, layout_.child(node, slot)});
     }
     divide(place, children.data(), children.data() + children.size());
   }
@@ -105,7 +105,7 @@ class LayoutReader {
 
   void fill(std::uint32_t place, const Child& child) {
     tree_.nodes[place].box = child.box;
-    if (!child.link.is_leaf()) return expand(place, layout_.nodes[child.link.node()]);
+    if (!child.link.is_leaf()) return expand(place, child.link.node());
     tree_.nodes[place].first = static_cast<std::uint32_t>(tree_.references.size());
     tree_.nodes[place].count = child.link.count();
     for (std::uint32_t i = 0; i < child.link.count(); ++i) {

@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include "simd/floats-inl.h"
+#include "traversal/node-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -18,11 +19,11 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // The children whose boxes have a point in `box`. Unused slots, from +infinity to -infinity, have none.
-HWY_INLINE std::uint32_t children_in(const WideNode& node, const Box3f& box) {
-  std::uint32_t in = 0xffff;
+HWY_INLINE std::uint32_t children_in(const Node& node, const Box3f& box) {
+  std::uint32_t in = (1u << node_width) - 1;
   for (int axis = 0; axis < 3; ++axis) {
-    in &= less_or_equal(load<16>(node.planes[axis][0]), broadcast<16>(box.upper[axis]));
-    in &= less_or_equal(broadcast<16>(box.lower[axis]), load<16>(node.planes[axis][1]));
+    in &= less_or_equal(load<node_width>(node.planes[axis][0]), broadcast<node_width>(box.upper[axis]));
+    in &= less_or_equal(broadcast<node_width>(box.lower[axis]), load<node_width>(node.planes[axis][1]));
   }
   return in;
 }
@@ -45,7 +46,7 @@ HWY_INLINE std::uint32_t bounds_in(const WideBvh& bvh, ChildLink leaf, const Box
 
 void visit_box(const WideBvh& bvh, const Box3f& box, void* visitor,
                bool (*visit)(void* visitor, ChildLink leaf, std::uint32_t place)) {
-  ChildLink waiting[wide_node_children * max_tree_depth];
+  ChildLink waiting[node_width * max_tree_depth];
   std::size_t depth = 0;
   waiting[depth++] = ChildLink::node(0);
   while (depth != 0) {
@@ -55,7 +56,7 @@ void visit_box(const WideBvh& bvh, const Box3f& box, void* visitor,
         if (!visit(visitor, link, static_cast<std::uint32_t>(std::countr_zero(rest)))) return;
       }
     } else {
-      const WideNode& node = bvh.nodes[link.node()];
+      const Node& node = node_at(bvh, link.node());
       for (std::uint32_t rest = children_in(node, box); rest != 0; rest &= rest - 1)
         waiting[depth++] = node.children[std::countr_zero(rest)];
     }

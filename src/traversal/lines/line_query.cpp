@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 
 #include "layout/wide_bvh.hpp"
@@ -12,6 +13,7 @@
 #include <hwy/highway.h>
 
 #include "simd/doubles-inl.h"
+#include "traversal/node-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -39,14 +41,17 @@ HWY_INLINE Signs determinant_signs(const Vec3Doubles& a, const Vec3Doubles& b, c
 
 }  // namespace
 
-std::uint32_t line_meets(const WideNode& node, const PreparedLine& line, float* entry) {
+std::uint32_t line_meets(const WideBvh& bvh, std::uint32_t number, const PreparedLine& line, float* entry,
+                         ChildLink* children) {
+  const Node& node = node_at(bvh, number);
+  std::copy_n(node.children, node_width, children);
   const DoubleTag tag;
   const hn::Rebind<float, DoubleTag> narrow;
   // A difference, a reciprocal and a product give each distance a relative error of up to 3 * 2^-53.
   const auto late = hn::Set(tag, 1.0 + 8.0 / 9007199254740992.0), early = hn::Set(tag, 1.0 - 0x1p-23);
   const double inverses[3] = {line.inverse.x, line.inverse.y, line.inverse.z};
   std::uint32_t met = 0;
-  for (std::size_t i = 0; i < wide_node_children; i += double_lanes) {
+  for (std::size_t i = 0; i < node_width; i += double_lanes) {
     auto enter = hn::Set(tag, double{line.t_min}), leave = hn::Set(tag, double{line.t_max});
     for (int axis = 0; axis < 3; ++axis) {
       const auto origin = hn::Set(tag, double{line.origin[axis]}), inverse = hn::Set(tag, inverses[axis]);

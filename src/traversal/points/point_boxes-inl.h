@@ -1,4 +1,4 @@
-// A point and the sixteen boxes of a node.
+// A point and the boxes of a node.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_POINTS_POINT_BOXES_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -17,6 +17,7 @@
 #include "layout/wide_bvh.hpp"
 #include "math/point_box.hpp"
 #include "simd/floats-inl.h"
+#include "traversal/node-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -26,25 +27,25 @@ namespace {
 // One key per slot: a lower bound of the squared distances to the points of its box. It is the bits of a
 // float, which sort as the float does, with the slot in the lowest four bits.
 struct Keys {
-  using Tag = hn::RebindToUnsigned<Float16::Tag>;
+  using Tag = hn::RebindToUnsigned<NodeFloats::Tag>;
   static constexpr std::uint32_t slot_bits = 15;
   static constexpr std::uint32_t none = 0xffffffffu;
-  hn::Vec<Tag> vector[Float16::vectors];
+  hn::Vec<Tag> vector[NodeFloats::vectors];
 };
 
-HWY_INLINE Keys make_keys(const Float16& squared_distances) {
+HWY_INLINE Keys make_keys(const NodeFloats& squared_distances) {
   const Keys::Tag tag;
   Keys keys;
-  for (std::size_t i = 0; i < Float16::vectors; ++i) {
+  for (std::size_t i = 0; i < NodeFloats::vectors; ++i) {
     const auto bits = hn::BitCast(tag, squared_distances.vector[i]);
-    const auto slots = hn::Iota(tag, static_cast<std::uint32_t>(i * Float16::lanes));
+    const auto slots = hn::Iota(tag, static_cast<std::uint32_t>(i * NodeFloats::lanes));
     keys.vector[i] = hn::Or(hn::And(bits, hn::Set(tag, ~Keys::slot_bits)), slots);
   }
   return keys;
 }
 HWY_INLINE std::uint32_t min_key(const Keys& keys) {
   auto lowest = keys.vector[0];
-  for (std::size_t i = 1; i < Float16::vectors; ++i) lowest = hn::Min(lowest, keys.vector[i]);
+  for (std::size_t i = 1; i < NodeFloats::vectors; ++i) lowest = hn::Min(lowest, keys.vector[i]);
   return hn::GetLane(hn::MinOfLanes(Keys::Tag(), lowest));
 }
 HWY_INLINE Keys without(Keys keys, std::uint32_t key) {
@@ -57,9 +58,9 @@ HWY_INLINE Keys without(Keys keys, std::uint32_t key) {
 HWY_INLINE std::uint32_t not_above(const Keys& keys, std::uint32_t limit) {
   const Keys::Tag tag;
   std::uint32_t above = 0;
-  for (std::size_t i = 0; i < Float16::vectors; ++i)
-    above |= bits(tag, hn::Gt(keys.vector[i], hn::Set(tag, limit))) << (i * Float16::lanes);
-  return ~above & 0xffffu;
+  for (std::size_t i = 0; i < NodeFloats::vectors; ++i)
+    above |= bits(tag, hn::Gt(keys.vector[i], hn::Set(tag, limit))) << (i * NodeFloats::lanes);
+  return ~above & ((1u << node_width) - 1);
 }
 
 // Distances in single precision. The scene is scaled by a power of two to coordinates below 1, so that no
@@ -73,18 +74,18 @@ class PointBoxes {
   HWY_INLINE PointBoxes(const Vec3f& p, const WideBvh& bvh) {
     const float largest = std::max({bvh.largest_coordinate, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
     scale_ = std::ldexp(1.0f, std::clamp(-std::ilogb(std::max(largest, 0x1p-100f)) - 1, -127, 100));
-    const Float16::Tag tag;
+    const NodeFloats::Tag tag;
     scales_ = hn::Set(tag, scale_);
     for (int axis = 0; axis < 3; ++axis) point_[axis] = hn::Set(tag, p[axis] * scale_);
   }
 
-  HWY_INLINE Keys keys(const WideNode& node) const {
-    const Float16::Tag tag;
-    Float16 squares;
-    for (std::size_t i = 0; i < Float16::vectors; ++i) {
+  HWY_INLINE Keys keys(const Node& node) const {
+    const NodeFloats::Tag tag;
+    NodeFloats squares;
+    for (std::size_t i = 0; i < NodeFloats::vectors; ++i) {
       const auto outside = [&](int axis) HWY_ATTR {
-        const auto lower = hn::LoadU(tag, node.planes[axis][0] + i * Float16::lanes);
-        const auto upper = hn::LoadU(tag, node.planes[axis][1] + i * Float16::lanes);
+        const auto lower = hn::LoadU(tag, node.planes[axis][0] + i * NodeFloats::lanes);
+        const auto upper = hn::LoadU(tag, node.planes[axis][1] + i * NodeFloats::lanes);
         return hn::Max(
             hn::Max(hn::MulSub(lower, scales_, point_[axis]), hn::NegMulAdd(upper, scales_, point_[axis])),
             hn::Zero(tag));
@@ -106,7 +107,7 @@ class PointBoxes {
 
  private:
   float scale_;
-  hn::Vec<Float16::Tag> scales_, point_[3];
+  hn::Vec<NodeFloats::Tag> scales_, point_[3];
 };
 
 // Distances in double precision, minus the distance of the whole scene, for points so far away that it is
@@ -117,12 +118,12 @@ class FarPointBoxes {
       : point_(p), nearest_(squared_distance(p, bvh.bounds)) {
     scale_ = 1.0 / std::max(nearest_, 0x1p-1000);
   }
-  HWY_INLINE Keys keys(const WideNode& node) const {
-    alignas(64) float keys[wide_node_children];
-    for (std::uint32_t slot = 0; slot < wide_node_children; ++slot)
+  HWY_INLINE Keys keys(const Node& node) const {
+    alignas(64) float keys[node_width];
+    for (std::uint32_t slot = 0; slot < node_width; ++slot)
       keys[slot] = static_cast<float>(
           std::max(0.0, squared_distance(point_, child_box(node, slot)) - nearest_) * scale_);
-    return make_keys(load<16>(keys));
+    return make_keys(load<node_width>(keys));
   }
   HWY_INLINE std::uint32_t limit(double squared_distance) const {
     const double bound =

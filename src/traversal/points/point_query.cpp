@@ -27,7 +27,7 @@ template <class Boxes>
 HWY_INLINE bool find_closest(const WideBvh& bvh, const Vec3f& point, double reach, NearTriangle& best) {
   // A node some of whose children have not been visited.
   struct Open {
-    const WideNode* node;
+    const Node* node;
     Keys keys;
   };
   const Boxes boxes(point, bvh);
@@ -36,7 +36,7 @@ HWY_INLINE bool find_closest(const WideBvh& bvh, const Vec3f& point, double reac
   std::size_t depth = 0;
   bool any = false;
   std::uint32_t limit = boxes.limit(reach);
-  Open open{bvh.nodes.data(), boxes.keys(bvh.nodes.front())};
+  Open open{&node_at(bvh, 0), boxes.keys(node_at(bvh, 0))};
   while (true) {
     const std::uint32_t key = min_key(open.keys);
     if (key > limit) {
@@ -48,7 +48,7 @@ HWY_INLINE bool find_closest(const WideBvh& bvh, const Vec3f& point, double reac
     const ChildLink child = open.node->children[key & Keys::slot_bits];
     if (!child.is_leaf()) {
       waiting[depth++] = open;
-      open.node = &bvh.nodes[child.node()];
+      open.node = &node_at(bvh, child.node());
       open.keys = boxes.keys(*open.node);
       continue;
     }
@@ -68,7 +68,7 @@ HWY_INLINE void find_within(const WideBvh& bvh, const Vec3f& point, double reach
   const Boxes boxes(point, bvh);
   const PointTriangles triangles(point);
   const std::uint32_t limit = boxes.limit(reach);
-  ChildLink waiting[wide_node_children * max_tree_depth];
+  ChildLink waiting[node_width * max_tree_depth];
   std::size_t depth = 0;
   waiting[depth++] = ChildLink::node(0);
   while (depth != 0) {
@@ -76,7 +76,7 @@ HWY_INLINE void find_within(const WideBvh& bvh, const Vec3f& point, double reach
     if (link.is_leaf()) {
       triangles.find(bvh, link, reach, [&](const NearTriangle& triangle) { found.push_back(triangle); });
     } else {
-      const WideNode& node = bvh.nodes[link.node()];
+      const Node& node = node_at(bvh, link.node());
       for (std::uint32_t rest = not_above(boxes.keys(node), limit); rest != 0; rest &= rest - 1)
         waiting[depth++] = node.children[std::countr_zero(rest)];
     }

@@ -119,7 +119,7 @@ class Interleaved {
     lists.nodes += 1 - leaf;
     lists.leaves += leaf;
     const auto node_address =
-        reinterpret_cast<std::uintptr_t>(bvh_.nodes.data()) + std::size_t{link} * sizeof(WideNode);
+        reinterpret_cast<std::uintptr_t>(bvh_.node_data) + std::size_t{link} * sizeof(Node);
     const auto leaf_address =
         reinterpret_cast<std::uintptr_t>(bvh_.leaves.data() + words_per_triangle * child.first());
     // Without ?:, which compilers translate to a branch that no machine predicts.
@@ -131,7 +131,7 @@ class Interleaved {
 
   HWY_INLINE void step(std::uint32_t index, Lists& lists) {
     RayState& state = states_[index];
-    const WideNode& node = bvh_.nodes[state.link];
+    const Node& node = node_at(bvh_, state.link);
     const Spans spans = meet_boxes(state.node_constants, box_vector(state.best.last), node);
     const std::size_t before = state.depth;
     std::size_t depth = before;

@@ -1,4 +1,4 @@
-// A ray against all triangles of a leaf at once.
+// A ray against the triangles of a leaf, as many at once as a vector has lanes.
 // Included once per instruction set: see simd/README.md.
 
 #if defined(KERF_TRAVERSAL_RAYS_LEAF_TEST_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -22,13 +22,18 @@ namespace HWY_NAMESPACE {
 namespace {
 
 struct Sheared {
-  Float8 x, y, z;
+  LeafFloats x, y, z;
 };
 
 HWY_INLINE Sheared shear(const LeafConstants& ray, const float* vertex_rows, std::size_t count) {
-  const Float8 z = load(vertex_rows + ray.axis[2] * count) - ray.origin[2];
-  return {load(vertex_rows + ray.axis[0] * count) - ray.origin[0] - ray.sx * z,
-          load(vertex_rows + ray.axis[1] * count) - ray.origin[1] - ray.sy * z, z};
+  const auto row = [&](int i) HWY_ATTR { return load<leaf_group>(vertex_rows + ray.axis[i] * count); };
+  const LeafFloats z = row(2) - ray.origin[2];
+  return {row(0) - ray.origin[0] - ray.sx * z, row(1) - ray.origin[1] - ray.sy * z, z};
+}
+
+// The triangles of a leaf of `count` from `begin` on that are tested at once, a bit for each.
+HWY_INLINE std::uint32_t lanes_of_group(std::uint32_t begin, std::uint32_t count) {
+  return (1u << std::min(count - begin, std::uint32_t{leaf_group})) - 1;
 }
 
 #if !HWY_NATIVE_FMA
@@ -64,13 +69,15 @@ HWY_NOINLINE HWY_ATTR bool intersect_one(const RayShear& shear, const WideBvh& b
 
 // a * b - c * d lies between these.
 struct Side {
-  Float8 low, high;
+  LeafFloats low, high;
 };
 
 // Three roundings of 2^-24, and one more of the bounds themselves.
-HWY_INLINE Side side_between(const Float8& a, const Float8& b, const Float8& c, const Float8& d) {
-  const Float8 ab = a * b, cd = c * d;
-  const Float8 difference = ab - cd, error = (absolute(ab) + absolute(cd)) * broadcast(0x1p-22f);
+HWY_INLINE Side side_between(const LeafFloats& a, const LeafFloats& b, const LeafFloats& c,
+                             const LeafFloats& d) {
+  const LeafFloats ab = a * b, cd = c * d;
+  const LeafFloats difference = ab - cd,
+                   error = (absolute(ab) + absolute(cd)) * broadcast<leaf_group>(0x1p-22f);
   return {difference - error, difference + error};
 }
 
@@ -78,22 +85,22 @@ HWY_INLINE Side side_between(const Float8& a, const Float8& b, const Float8& c, 
 // So the triangles that a ray certainly passes are told from rounded ones, and the few others are decided one
 // by one in double precision. Returns whether `best` changed.
 template <bool any_hit>
-HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
-                               const Ray& ray, Nearest& best) {
+HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
+                                std::uint32_t begin, const Ray& ray, Nearest& best) {
   const std::uint32_t count = leaf.count();
-  const float* rows = leaf_rows(bvh, leaf);
+  const float* rows = leaf_rows(bvh, leaf) + begin;
   const Sheared a = shear(constants, rows, count), b = shear(constants, rows + 3 * count, count),
                 c = shear(constants, rows + 6 * count, count);
   const Side u = side_between(c.x, b.y, c.y, b.x), v = side_between(a.x, c.y, a.y, c.x),
              w = side_between(b.x, a.y, b.y, a.x);
-  const Float8 least = minimum(minimum(u.high, v.high), w.high),
-               greatest = maximum(maximum(u.low, v.low), w.low);
-  std::uint32_t rest = (1u << count) - 1;
-  rest &= ~(less(least, broadcast(-SinglePrecision::min_sign)) &
-            less(broadcast(SinglePrecision::min_sign), greatest));
+  const LeafFloats least = minimum(minimum(u.high, v.high), w.high),
+                   greatest = maximum(maximum(u.low, v.low), w.low);
+  std::uint32_t rest = lanes_of_group(begin, count);
+  rest &= ~(less(least, broadcast<leaf_group>(-SinglePrecision::min_sign)) &
+            less(broadcast<leaf_group>(SinglePrecision::min_sign), greatest));
   bool changed = false;
   for (; rest != 0; rest &= rest - 1) {
-    const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
+    const std::uint32_t i = begin + static_cast<std::uint32_t>(std::countr_zero(rest));
     changed |= intersect_one(constants.shear, bvh, leaf, i, ray, constants.t_min, best);
     if (any_hit && changed) return true;
   }
@@ -166,42 +173,45 @@ HWY_NOINLINE HWY_ATTR Nearest intersect_one_by_one(const WideBvh& bvh, ChildLink
   return best;
 }
 
-// `intersect_triangle` on all triangles of a leaf at once: the edge functions operation by operation, and t
-// to within bounds. Returns whether `best` changed; where any hit will do, that is all that `best` tells.
+// `intersect_triangle` on a group of triangles at once: the edge functions operation by operation, and t to
+// within bounds. Returns whether `best` changed; where any hit will do, that is all that `best` tells.
 template <bool any_hit>
-HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
-                               const Ray& ray, Nearest& best) {
+HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
+                                std::uint32_t begin, const Ray& ray, Nearest& best) {
   using Limits = SinglePrecision;
   const std::uint32_t count = leaf.count();
   const std::uint32_t* words = bvh.leaves.data() + words_per_triangle * leaf.first();
-  const float* rows = reinterpret_cast<const float*>(words);
+  const float* rows = reinterpret_cast<const float*>(words) + begin;
   const Sheared a = shear(constants, rows, count), b = shear(constants, rows + 3 * count, count),
                 c = shear(constants, rows + 6 * count, count);
-  const Float8 u = difference_of_products(c.x, b.y, c.y, b.x), v = difference_of_products(a.x, c.y, a.y, c.x),
-               w = difference_of_products(b.x, a.y, b.y, a.x);
-  const Float8 min_edge = minimum(minimum(u, v), w), max_edge = maximum(maximum(u, v), w);
-  std::uint32_t candidates = (1u << count) - 1;
-  candidates &= ~(less(min_edge, broadcast(-Limits::min_sign)) & less(broadcast(Limits::min_sign), max_edge));
+  const LeafFloats u = difference_of_products(c.x, b.y, c.y, b.x),
+                   v = difference_of_products(a.x, c.y, a.y, c.x),
+                   w = difference_of_products(b.x, a.y, b.y, a.x);
+  const LeafFloats min_edge = minimum(minimum(u, v), w), max_edge = maximum(maximum(u, v), w);
+  std::uint32_t candidates = lanes_of_group(begin, count);
+  candidates &= ~(less(min_edge, broadcast<leaf_group>(-Limits::min_sign)) &
+                  less(broadcast<leaf_group>(Limits::min_sign), max_edge));
   if (candidates == 0) return false;
 
   const std::uint32_t trusted =
-      less(constants.min_value, min_edge) | less(max_edge, broadcast(0.0f) - constants.min_value);
+      less(constants.min_value, min_edge) | less(max_edge, broadcast<leaf_group>(0.0f) - constants.min_value);
   bool changed = false;
   if (HWY_UNLIKELY((candidates & ~trusted) != 0)) {
-    const Nearest other = intersect_one_by_one(bvh, leaf, candidates & ~trusted, ray, constants.t_min, best);
+    const Nearest other =
+        intersect_one_by_one(bvh, leaf, (candidates & ~trusted) << begin, ray, constants.t_min, best);
     changed = other.primitive != best.primitive;
     best = other;
     if (any_hit && changed) return true;
   }
   // What t is for the point that the weights name, and how far from it the ray may cross the plane: the
   // shear's rounding, times how much the triangle rises along the ray for each step across it.
-  const Float8 inverse = broadcast(1.0f) / (u + v + w);
-  const Float8 t = (u * a.z + v * b.z + w * c.z) * inverse * constants.inverse_dz;
-  const Float8 rise = (absolute(b.x - a.x) + absolute(b.y - a.y)) * absolute(c.z - a.z) +
-                      (absolute(c.x - a.x) + absolute(c.y - a.y)) * absolute(b.z - a.z);
-  const Float8 error = constants.error_of_mean + constants.error_of_shear * rise * absolute(inverse);
-  const Float8 first = t - error, last = t + error;
-  const Float8 t_min = broadcast(constants.t_min), t_max = broadcast(best.last);
+  const LeafFloats inverse = broadcast<leaf_group>(1.0f) / (u + v + w);
+  const LeafFloats t = (u * a.z + v * b.z + w * c.z) * inverse * constants.inverse_dz;
+  const LeafFloats rise = (absolute(b.x - a.x) + absolute(b.y - a.y)) * absolute(c.z - a.z) +
+                          (absolute(c.x - a.x) + absolute(c.y - a.y)) * absolute(b.z - a.z);
+  const LeafFloats error = constants.error_of_mean + constants.error_of_shear * rise * absolute(inverse);
+  const LeafFloats first = t - error, last = t + error;
+  const LeafFloats t_min = broadcast<leaf_group>(constants.t_min), t_max = broadcast<leaf_group>(best.last);
   const std::uint32_t after_start = less_or_equal(t_min, first);
   if constexpr (any_hit) {
     if ((candidates & trusted & after_start & less_or_equal(last, t_max)) != 0) {
@@ -211,8 +221,8 @@ HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bv
   }
   std::uint32_t near = candidates & trusted & less_or_equal(t_min, last) & less_or_equal(first, t_max);
   if (near == 0) return changed;
-  const std::uint32_t* ids = words + 9 * count;
-  alignas(32) float firsts[8], lasts[8];
+  const std::uint32_t* ids = words + 9 * count + begin;
+  alignas(32) float firsts[leaf_group], lasts[leaf_group];
   store(first, firsts);
   store(last, lasts);
   for (; near != 0; near &= near - 1) {
@@ -222,12 +232,12 @@ HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bv
       best.last = lasts[i];
       best.primitive = ids[i];
       best.link = leaf.bits();
-      best.lane = i;
+      best.lane = begin + i;
       changed = true;
       continue;
     }
     if (firsts[i] > best.last) continue;
-    const Nearest other = nearer_of(bvh, leaf, i, ray, constants.t_min, best);
+    const Nearest other = nearer_of(bvh, leaf, begin + i, ray, constants.t_min, best);
     changed |= other.primitive != best.primitive;
     best = other;
     if (any_hit && changed) return true;
@@ -235,6 +245,19 @@ HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bv
   return changed;
 }
 #endif
+
+template <bool any_hit>
+HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
+                               const Ray& ray, Nearest& best) {
+  if constexpr (leaf_group == wide_leaf_triangles)
+    return intersect_group<any_hit>(constants, bvh, leaf, 0, ray, best);
+  bool changed = false;
+  for (std::uint32_t begin = 0; begin < leaf.count(); begin += leaf_group) {
+    changed |= intersect_group<any_hit>(constants, bvh, leaf, begin, ray, best);
+    if (any_hit && changed) return true;
+  }
+  return changed;
+}
 
 }  // namespace
 }  // namespace HWY_NAMESPACE

@@ -57,7 +57,7 @@ HWY_INLINE void trace_batch(const WideBvh& bvh, const Ray* rays, std::uint32_t c
   }
   for (; i < count; ++i) incoherent[incoherent_count++] = i;
   if (incoherent_count == 0) return;
-  if (bvh.nodes.size_bytes() + bvh.leaves.size_bytes() <= max_single_bytes) {
+  if (bvh.node_bytes() + bvh.leaves.size_bytes() <= max_single_bytes) {
     for (std::uint32_t k = 0; k < incoherent_count; ++k)
       finish(incoherent[k], trace_any_ray<any_hit, false>(bvh, rays[incoherent[k]], nullptr));
     return;

@@ -31,28 +31,20 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // Writes the slots of the children that are met, from far to near, and returns their number.
-HWY_INLINE std::uint32_t far_to_near(const WideNode& node, const Spans& spans, std::uint32_t octant,
-                                     std::uint32_t (&out)[wide_node_children]) {
-  const std::uint32_t met = less_or_equal(spans.first, spans.last);
-  const auto count = static_cast<std::uint32_t>(std::popcount(met));
-#if KERF_FLOAT_LANES == 16
-  const Float16::Tag floats;
-  const hn::RebindToUnsigned<Float16::Tag> integers;
+HWY_INLINE std::uint32_t far_to_near(const Node& node, const Spans& spans, std::uint32_t octant,
+                                     std::uint32_t (&out)[node_width]) {
+  const NodeFloats::Tag floats;
+  const hn::RebindToUnsigned<NodeFloats::Tag> integers;
   const auto slots = far_to_near_slots(node, octant);
   const auto float_slots = hn::IndicesFromVec(floats, slots);
   const auto mask = hn::Le(hn::TableLookupLanes(spans.first.vector[0], float_slots),
                            hn::TableLookupLanes(spans.last.vector[0], float_slots));
   hn::StoreU(compress(slots, mask), integers, out);
-#else
-  MetSlots slots;
-  list_met(met, node.order[octant], slots);
-  std::copy_n(slots.slot, count, out);
-#endif
-  return count;
+  return static_cast<std::uint32_t>(hn::CountTrue(floats, mask));
 }
 
 // As many rays as a vector has lanes. Their directions lie in one octant, are largest along the same axis and
-// differ little. The sixteen boxes of a node are tested against the packet as a whole, in interval arithmetic
+// differ little. The boxes of a node are tested against the packet as a whole, in interval arithmetic
 // (after Reshetov, Soupikov & Hurley 2005, "Multi-Level Ray Tracing Algorithm"). The boxes that it may meet
 // are tested against its rays, one box at a time; so are the triangles of a leaf, one triangle at a time.
 template <bool any_hit>
@@ -130,8 +122,8 @@ class Packet {
       origin_low_[a] -= max_margin;
       origin_high_[a] += max_margin;
       const std::size_t negative = (octant_ >> a) & 1;
-      near_[a] = (2 * a + negative) * wide_node_children;
-      far_[a] = (2 * a + 1 - negative) * wide_node_children;
+      near_[a] = (2 * a + negative) * node_width;
+      far_[a] = (2 * a + 1 - negative) * node_width;
     }
     const ShearAxes axes = shear_axes[kz][(octant_ >> kz) & 1];
     for (std::size_t a = 0; a < 3; ++a) {
@@ -244,20 +236,21 @@ class Packet {
   // Pushes the children of a node, the nearest last.
   HWY_INLINE void open(std::uint32_t index, M active, std::size_t& depth) {
     const Tag tag;
-    const WideNode& node = bvh_.nodes[index];
+    const Node& node = node_at(bvh_, index);
     const float* planes = &node.planes[0][0][0];
-    Float16 first = broadcast<16>(t_first_), last = broadcast<16>(t_last_);
+    NodeFloats first = broadcast<node_width>(t_first_), last = broadcast<node_width>(t_last_);
     for (std::size_t a = 0; a < 3; ++a) {
       const bool negative = (octant_ >> a) & 1;
-      const Float16 low = broadcast<16>(inverse_low_[a]), high = broadcast<16>(inverse_high_[a]);
-      const Float16 near =
-          load<16>(planes + near_[a]) - broadcast<16>(negative ? origin_low_[a] : origin_high_[a]);
-      const Float16 far =
-          load<16>(planes + far_[a]) - broadcast<16>(negative ? origin_high_[a] : origin_low_[a]);
+      const NodeFloats low = broadcast<node_width>(inverse_low_[a]),
+                       high = broadcast<node_width>(inverse_high_[a]);
+      const NodeFloats near = load<node_width>(planes + near_[a]) -
+                              broadcast<node_width>(negative ? origin_low_[a] : origin_high_[a]);
+      const NodeFloats far = load<node_width>(planes + far_[a]) -
+                             broadcast<node_width>(negative ? origin_high_[a] : origin_low_[a]);
       first = maximum(first, minimum(near * low, near * high));
       last = minimum(last, maximum(far * low, far * high));
     }
-    std::uint32_t slots_met[wide_node_children];
+    std::uint32_t slots_met[node_width];
     const std::uint32_t met = far_to_near(node, {first, last}, octant_, slots_met);
     for (std::uint32_t i = 0; i < met; ++i) {
       const std::uint32_t slot = slots_met[i];

@@ -27,8 +27,11 @@ namespace {
 
 // A node step mostly waits for the one before it. Where several nodes lie on top of the stack, their steps
 // are taken while it waits, although a hit below the nearer ones might have culled them: a few more steps in
-// less time (docs/decisions/0051).
-constexpr std::size_t nodes_per_step = 3;
+// less time (docs/decisions/0051, 0085).
+template <bool any_hit>
+constexpr std::size_t nodes_per_step = node_width == 16             ? 3
+                                       : node_width == 8 || any_hit ? 2
+                                                                    : 1;
 
 // Takes up to `max_nodes` nodes off the stack and pushes their children.
 template <bool any_hit, bool counting, std::size_t max_nodes, class Stack>
@@ -40,7 +43,7 @@ HWY_INLINE void step_next(const WideBvh& bvh, const NodeConstants& constants, st
     if (next.is_leaf() | (!any_hit && stack.t[depth - 1] > best_t)) return;
     --depth;
     if constexpr (counting) ++counters->steps;
-    const WideNode& node = bvh.nodes[next.node()];
+    const Node& node = node_at(bvh, next.node());
     const Spans spans = meet_boxes(constants, t_best, node);
     step_next<any_hit, counting, max_nodes - 1>(bvh, constants, octant, t_best, best_t, stack, depth,
                                                 counters);
@@ -58,7 +61,7 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
   const NodeConstants node_constants(ray);
   const LeafConstants leaf_constants(ray);
   BoxVector t_best = box_vector(best.last);
-  Stack<nodes_per_step> stack;
+  Stack<nodes_per_step<any_hit>> stack;
   stack.link[0] = stack.bottom;
   std::size_t depth = 1;
   ChildLink link = ChildLink::node(0);
@@ -66,10 +69,10 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
     bool at_leaf = true;
     while (!link.is_leaf()) {
       if constexpr (counting) ++counters->steps;
-      const WideNode& node = bvh.nodes[link.node()];
+      const Node& node = node_at(bvh, link.node());
       const Spans spans = meet_boxes(node_constants, t_best, node);
-      step_next<any_hit, counting, nodes_per_step - 1>(bvh, node_constants, ray.octant, t_best, best.last,
-                                                       stack, depth, counters);
+      step_next<any_hit, counting, nodes_per_step<any_hit> - 1>(bvh, node_constants, ray.octant, t_best,
+                                                                best.last, stack, depth, counters);
       const std::uint32_t met = less_or_equal(spans.first, spans.last);
       if (met == 0) {
         at_leaf = false;

@@ -21,6 +21,7 @@
 #include "math/ray_triangle.hpp"
 #include "simd/floats-inl.h"
 #include "simd/targets.hpp"
+#include "traversal/node-inl.h"
 #include "traversal/rays/prepared_ray.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -29,7 +30,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // One number for each of as many boxes as a vector has lanes.
-using BoxVector = hn::Vec<Float16::Tag>;
+using BoxVector = hn::Vec<NodeFloats::Tag>;
 
 #if KERF_FLOAT_LANES == 1
 struct Float4 {
@@ -37,7 +38,7 @@ struct Float4 {
 };
 template <int i>
 HWY_INLINE BoxVector broadcast_lane(const Float4& v) {
-  return hn::Set(Float16::Tag(), v.lane[i]);
+  return hn::Set(NodeFloats::Tag(), v.lane[i]);
 }
 HWY_INLINE Float4 three(const Vec3f& v) {
   return {{v.x, v.y, v.z, 0.0f}};
@@ -50,8 +51,8 @@ using Float4 = hn::Vec<FloatTag4>;
 template <int i>
 HWY_INLINE BoxVector broadcast_lane(Float4 v) {
 #if KERF_FLOAT_LANES >= 8
-  const Float16::Tag tag;
-  const auto index = hn::IndicesFromVec(tag, hn::Set(hn::RebindToSigned<Float16::Tag>(), i));
+  const NodeFloats::Tag tag;
+  const auto index = hn::IndicesFromVec(tag, hn::Set(hn::RebindToSigned<NodeFloats::Tag>(), i));
   const auto eight = hn::ZeroExtendVector(FloatTag(), v);
 #if KERF_FLOAT_LANES == 16
   return hn::TableLookupLanes(hn::ZeroExtendVector(tag, eight), index);
@@ -191,11 +192,11 @@ struct NodeConstants {
   BoxVector inverse[3], enter[3], leave[3], t_min;
   std::uint32_t near[3], far[3];  // where in a node the planes of entry and of exit begin, in floats
 
-  HWY_INLINE explicit NodeConstants(const WideRay& ray) : t_min(hn::Set(Float16::Tag(), ray.t_min)) {
+  HWY_INLINE explicit NodeConstants(const WideRay& ray) : t_min(hn::Set(NodeFloats::Tag(), ray.t_min)) {
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
       const std::uint32_t negative = (ray.octant >> axis) & 1;
-      near[axis] = (2 * axis + negative) * wide_node_children;
-      far[axis] = (2 * axis + 1 - negative) * wide_node_children;
+      near[axis] = (2 * axis + negative) * node_width;
+      far[axis] = (2 * axis + 1 - negative) * node_width;
     }
     inverse[0] = broadcast_lane<0>(ray.inverse);
     inverse[1] = broadcast_lane<1>(ray.inverse);
@@ -226,16 +227,20 @@ struct StoredNodeConstants {
     t_min = ray.t_min;
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
       const std::uint32_t negative = (ray.octant >> axis) & 1;
-      near[axis] = (2 * axis + negative) * wide_node_children;
-      far[axis] = (2 * axis + 1 - negative) * wide_node_children;
+      near[axis] = (2 * axis + negative) * node_width;
+      far[axis] = (2 * axis + 1 - negative) * node_width;
     }
   }
 };
 
+// As many triangles of a leaf are tested at once.
+inline constexpr std::size_t leaf_group = vector_lanes;
+using LeafFloats = Floats<leaf_group>;
+
 // What a leaf test reads at every leaf.
 struct LeafConstants {
-  Float8 origin[3], sx, sy, inverse_dz, min_value;
-  Float8 error_of_mean, error_of_shear;  // of t
+  LeafFloats origin[3], sx, sy, inverse_dz, min_value;
+  LeafFloats error_of_mean, error_of_shear;  // of t
 
   // In units of 2^-24 of the distance to the far side of the scene: 13 for weights and mean as in the table
   // of `RayBoxes`, and 6 for the shear, both with room.
@@ -248,15 +253,15 @@ struct LeafConstants {
 #endif
 
   HWY_INLINE explicit LeafConstants(const WideRay& ray)
-      : sx(broadcast(ray.sx)),
-        sy(broadcast(ray.sy)),
-        inverse_dz(broadcast(ray.inverse_dz)),
-        min_value(broadcast(ray.min_value)),
-        error_of_mean(broadcast(mean_error * ray.error)),
-        error_of_shear(broadcast(shear_error * ray.error)),
+      : sx(broadcast<leaf_group>(ray.sx)),
+        sy(broadcast<leaf_group>(ray.sy)),
+        inverse_dz(broadcast<leaf_group>(ray.inverse_dz)),
+        min_value(broadcast<leaf_group>(ray.min_value)),
+        error_of_mean(broadcast<leaf_group>(mean_error * ray.error)),
+        error_of_shear(broadcast<leaf_group>(shear_error * ray.error)),
         t_min(ray.t_min) {
     for (std::size_t i = 0; i < 3; ++i) {
-      origin[i] = broadcast(ray.origin[i]);
+      origin[i] = broadcast<leaf_group>(ray.origin[i]);
       axis[i] = ray.axis[i];
     }
 #if !HWY_NATIVE_FMA
