@@ -7,12 +7,15 @@
 
 #include <fmt/format.h>
 #include <kerf/build.hpp>
+#include <kerf/error.hpp>
+#include <kerf/inspect.hpp>
 #include <unistd.h>
 
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "output.hpp"
 #include "workbench/bench/bench.hpp"
+#include "workbench/bench/peer_isa.hpp"
 #include "workbench/bench/peers/embree.hpp"
 #include "workbench/bench/peers/kerf_engine.hpp"
 #include "workbench/bench/report.hpp"
@@ -24,10 +27,14 @@ namespace {
 
 using namespace workbench;
 
+constexpr const char* automatic = "auto";
+
 struct BenchArguments {
   std::vector<std::string> scenes;
   std::string threads = "0";
   std::string peers = "embree";
+  std::string rays = "made";
+  std::string peer_isa = automatic;
   std::string json;
   bool limits = false;
 };
@@ -42,16 +49,32 @@ std::string join_versions(const std::vector<Engine>& engines) {
   return fmt::format("{}", fmt::join(versions, " beside "));
 }
 
-std::vector<Engine> make_engines(const std::string& peers, unsigned threads) {
-  kerf::BuildOptions options;
-  options.threads = threads;
-  std::vector<Engine> engines{kerf_engine(options, KERF_VERSION)};
-  if (peers == "embree") {
-    std::vector<Engine> embree = embree_engines(threads);
-    if (embree.empty()) {
-      fmt::print(stderr, "kerf: this program was built without Embree, so there is no peer\n");
-    }
-    for (Engine& engine : embree) engines.push_back(std::move(engine));
+// The instruction sets from which Embree's is chosen for each scene; none if there is no peer.
+std::vector<std::string> peer_isas(const BenchArguments& arguments) {
+  if (arguments.peers != "embree") return {};
+  const std::vector<std::string> supported = embree_isas();
+  if (supported.empty()) {
+    fmt::print(stderr, "kerf: this program was built without Embree, so there is no peer\n");
+    return {};
+  }
+  if (arguments.peer_isa == automatic) return isas_up_to(kerf::instruction_set(), supported);
+  if (std::find(supported.begin(), supported.end(), arguments.peer_isa) == supported.end()) {
+    throw kerf::Error(kerf::Error::invalid_argument,
+                      fmt::format("--peer-isa {}: Embree has {} on this machine", arguments.peer_isa,
+                                  fmt::join(supported, ", ")));
+  }
+  return {arguments.peer_isa};
+}
+
+// kerf, and Embree with the fastest of `isas`, unless there are none.
+std::vector<Engine> make_engines(const Scene& scene, const std::vector<std::string>& isas,
+                                 const BenchOptions& options) {
+  kerf::BuildOptions build;
+  build.threads = options.threads;
+  std::vector<Engine> engines{kerf_engine(build, KERF_VERSION)};
+  if (isas.empty()) return engines;
+  for (Engine& engine : embree_engines(options.threads, fastest_isa(scene, isas, options))) {
+    engines.push_back(std::move(engine));
   }
   return engines;
 }
@@ -61,8 +84,9 @@ void bench(const BenchArguments& arguments) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   require_writable(arguments.json);
   const std::vector<Scene> scenes = load_scenes(arguments.scenes);
-  const std::vector<Engine> engines = make_engines(arguments.peers, threads);
+  const std::vector<std::string> isas = peer_isas(arguments);
 
+  std::string versions;
   std::vector<BenchScene> figures;
   {
     ProgressBar bar;
@@ -70,20 +94,27 @@ void bench(const BenchArguments& arguments) {
       BenchOptions options;
       options.threads = threads;
       options.limits = arguments.limits;
+      options.rays_made = arguments.rays == name(RaysMade::array) ? RaysMade::array : RaysMade::made;
       options.progress = [&](double fraction, std::string_view what) {
         bar.show((static_cast<double>(i) + fraction) / static_cast<double>(scenes.size()), what);
       };
-      figures.push_back(name_errors(scenes[i], [&] { return bench_scene(scenes[i], engines, options); }));
+      figures.push_back(name_errors(scenes[i], [&] {
+        const std::vector<Engine> engines = make_engines(scenes[i], isas, options);
+        versions = join_versions(engines);
+        return bench_scene(scenes[i], engines, options);
+      }));
     }
   }
+  const BenchRun run{
+      .version = KERF_VERSION, .threads = threads, .target = std::string(kerf::instruction_set())};
   if (!arguments.json.empty()) {
-    write_output(arguments.json, to_json(figures, KERF_VERSION, threads).dump(2) + "\n");
+    write_output(arguments.json, to_json(figures, run).dump(2) + "\n");
   }
   if (arguments.json == standard_output) return;
   const Machine machine = this_machine();
   write_output("-",
-               fmt::format("{}, {} of {} threads of {}, {}\n\n{}", join_versions(engines), threads,
-                           machine.threads, machine.processor, machine.system,
+               fmt::format("{}, {} of {} threads of {}, {}\n\n{}", versions, threads, machine.threads,
+                           machine.processor, machine.system,
                            format_bench(figures, isatty(STDOUT_FILENO) ? Emphasis::bold : Emphasis::mark)));
 }
 
@@ -98,6 +129,16 @@ void add_bench_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--peers", arguments->peers, "What kerf is compared with: embree or none")
       ->check(CLI::IsMember({"embree", "none"}))
+      ->capture_default_str();
+  command
+      ->add_option("--rays", arguments->rays,
+                   "Where single rays are: made right before each call, or ready in an array")
+      ->check(CLI::IsMember({"made", "array"}))
+      ->capture_default_str();
+  command
+      ->add_option("--peer-isa", arguments->peer_isa,
+                   "Embree's instruction set; auto is the fastest of those up to kerf's own, measured")
+      ->check(CLI::IsMember({automatic, "sse2", "sse4.2", "avx", "avx2", "avx512"}))
       ->capture_default_str();
   command->add_flag("--limits", arguments->limits,
                     "Measure the time of a step at best, and the fraction of that speed that kerf reaches");

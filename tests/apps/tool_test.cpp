@@ -95,6 +95,8 @@ TEST(Tool, BadUsageIsStatusTwoAndOneLine) {
                                       "compare --rounds 2 sticks",
                                       "compare --pixels 0x9 sticks",
                                       "compare --no-such-option sticks",
+                                      "bench sticks --rays ready",
+                                      "bench sticks --peer-isa mmx",
                                       "compare sticks:nonsense=1",
                                       "compare sticks:detail=x",
                                       "sweep sticks --alphas 1,2",

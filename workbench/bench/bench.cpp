@@ -56,19 +56,25 @@ std::vector<Build> build_all(std::span<const Engine> engines, const kerf::Triang
 // threads to be worth starting and for rays to be sorted, short enough for most slices to run undisturbed.
 constexpr std::size_t slice_size = 16384;
 
+// Where the rays of a tracer are, if `wanted` applies to all that can.
+RaysMade rays_made(const Tracer& tracer, RaysMade wanted) {
+  return tracer.intersect_made ? wanted : RaysMade::array;
+}
+
 // Traces a set of rays in spans, with results in memory for one span.
 class SpanTracer {
  public:
-  SpanTracer(const RaySet& set, const Tracer& tracer) : set_(set), tracer_(tracer) {}
+  SpanTracer(const RaySet& set, const Tracer& tracer, RaysMade wanted)
+      : set_(set), tracer_(tracer), make_(rays_made(tracer, wanted) == RaysMade::made) {}
 
   void trace(std::size_t begin, std::size_t end) {
     const auto rays = std::span(set_.rays).subspan(begin, end - begin);
     if (set_.any_hit()) {
       occluded_.resize(rays.size());
-      tracer_.occluded(rays, occluded_);
+      make_ ? tracer_.occluded_made(set_, begin, occluded_) : tracer_.occluded(rays, occluded_);
     } else {
       hits_.resize(rays.size());
-      tracer_.intersect(rays, hits_);
+      make_ ? tracer_.intersect_made(set_, begin, hits_) : tracer_.intersect(rays, hits_);
     }
   }
 
@@ -83,6 +89,7 @@ class SpanTracer {
  private:
   const RaySet& set_;
   const Tracer& tracer_;
+  const bool make_;
   std::vector<std::uint8_t> occluded_;
   std::vector<kerf::Hit> hits_;
 };
@@ -95,7 +102,7 @@ std::vector<BenchRays> trace_all(std::span<const Tracer> tracers, const RaySet& 
   std::vector<TraceRange> trace_ranges;
   span_tracers.reserve(tracers.size());  // the functions below refer to its elements
   for (const Tracer& tracer : tracers) {
-    SpanTracer& span_tracer = span_tracers.emplace_back(set, tracer);
+    SpanTracer& span_tracer = span_tracers.emplace_back(set, tracer, options.rays_made);
     std::size_t hits = 0;
     for (std::size_t begin = 0; begin < ray_count; begin += slice_size) {  // this also warms up
       span_tracer.trace(begin, std::min(begin + slice_size, ray_count));
@@ -117,6 +124,10 @@ std::vector<BenchRays> trace_all(std::span<const Tracer> tracers, const RaySet& 
 
 }  // namespace
 
+std::string_view name(RaysMade where) {
+  return where == RaysMade::made ? "made" : "array";
+}
+
 BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, const BenchOptions& options) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, options.threads);
   const Progress progress(options, scene.name);
@@ -131,11 +142,14 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   BenchScene figures{.name = scene.name, .triangles = scene.triangles.size(), .results = {}};
   std::vector<Build> builds = build_all(engines, mesh, options, progress);
   std::vector<Tracer> tracers;
-  for (const Build& build : builds) {
+  for (std::size_t e = 0; e < engines.size(); ++e) {
+    const Build& build = builds[e];
     for (const Tracer& tracer : build.traceable.tracers) {
       tracers.push_back(tracer);
       figures.results.push_back({.engine = tracer.engine,
                                  .mode = tracer.mode,
+                                 .isa = engines[e].isa,
+                                 .rays_made = rays_made(tracer, options.rays_made),
                                  .build_ms = 1e3 * build.best_seconds,
                                  .bytes = build.traceable.bytes,
                                  .build_peak_bytes = build.traceable.build_peak_bytes,

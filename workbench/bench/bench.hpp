@@ -23,10 +23,20 @@ struct BenchRays {
   double mrays_per_s = 0.0;
 };
 
+/// Where rays are when they are traced.
+enum class RaysMade {
+  made,   ///< each is computed and written right before its call, and its hit used right behind it
+  array,  ///< all lie in memory before the clock starts
+};
+
+std::string_view name(RaysMade where);
+
 /// One way of tracing the structure of one engine.
 struct BenchResult {
   std::string engine;
   std::string mode;
+  std::string isa;                       ///< the instruction set of the engine
+  RaysMade rays_made = RaysMade::array;  ///< always `array` where spans or packets are traced
   double build_ms = 0.0;
   std::size_t bytes = 0;
   std::size_t build_peak_bytes = 0;
@@ -48,7 +58,8 @@ struct BenchOptions {
   unsigned trace_rounds = 5;   ///< at least; another round before them warms up
   double trace_seconds = 2.0;  ///< more rounds follow until those of one type of rays took as long
   RaySetOptions rays;
-  bool limits = false;  ///< also measure how fast kerf could be at best
+  RaysMade rays_made = RaysMade::made;  ///< of rays that are traced one by one
+  bool limits = false;                  ///< also measure how fast kerf could be at best
   std::function<void(double fraction, std::string_view what)> progress;
 };
 

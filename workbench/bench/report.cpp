@@ -97,8 +97,16 @@ std::string format_scene(const BenchScene& scene, Emphasis emphasis) {
   const auto triangles = static_cast<double>(scene.triangles);
   Column engines{.head = "engine", .cells = {}, .left_aligned = true};
   for (const BenchResult& result : scene.results) engines.cells.push_back({label(result)});
+  Column isas{.head = "isa", .cells = {}, .left_aligned = true};
+  Column rays{.head = "rays", .cells = {}, .left_aligned = true};
+  for (const BenchResult& result : scene.results) {
+    isas.cells.push_back({result.isa});
+    rays.cells.push_back({std::string(name(result.rays_made))});
+  }
   std::vector<Column> columns{
       engines,
+      isas,
+      rays,
       figures(scene, "build ms", "{:.1f}", false, [](const BenchResult& r) { return r.build_ms; }),
       figures(scene, "bytes/tri", "{:.1f}", false,
               [=](const BenchResult& r) { return static_cast<double>(r.bytes) / triangles; }),
@@ -218,8 +226,7 @@ std::string format_bench(std::span<const BenchScene> scenes, Emphasis emphasis) 
   return text + format_ratios(scenes);
 }
 
-nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, std::string_view version,
-                               unsigned threads) {
+nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRun& run) {
   auto list = nlohmann::ordered_json::array();
   for (const BenchScene& scene : scenes) {
     auto results = nlohmann::ordered_json::array();
@@ -231,6 +238,8 @@ nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, std::string_v
       }
       nlohmann::ordered_json entry{{"engine", result.engine},
                                    {"mode", result.mode},
+                                   {"isa", result.isa},
+                                   {"rays_made", name(result.rays_made)},
                                    {"build_ms", result.build_ms},
                                    {"bytes", result.bytes},
                                    {"build_peak_bytes", result.build_peak_bytes}};
@@ -244,7 +253,8 @@ nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, std::string_v
     list.push_back({{"name", scene.name}, {"triangles", scene.triangles}, {"results", std::move(results)}});
     if (scene.limits) list.back()["limits"] = limits_json(scene);
   }
-  return {{"kerf", version}, {"threads", threads}, {"scenes", std::move(list)}};
+  return {
+      {"kerf", run.version}, {"threads", run.threads}, {"target", run.target}, {"scenes", std::move(list)}};
 }
 
 }  // namespace workbench

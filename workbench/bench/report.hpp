@@ -12,9 +12,15 @@
 
 namespace workbench {
 
-/// `{"kerf": version, "threads": N, "scenes": [...]}`, its keys in a fixed order.
-nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, std::string_view version,
-                               unsigned threads);
+/// What holds for all scenes of a run.
+struct BenchRun {
+  std::string version;  ///< of kerf
+  unsigned threads = 1;
+  std::string target;  ///< kerf's instruction set
+};
+
+/// `{"kerf": version, "threads": N, "target": "AVX2", "scenes": [...]}`, its keys in a fixed order.
+nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRun& run);
 
 /// One table per scene, then kerf's speed relative to each peer: the geometric mean over scenes and types of
 /// rays, and the minimum.

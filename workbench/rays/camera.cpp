@@ -21,7 +21,7 @@ Camera::Camera(const Viewpoint& viewpoint, std::size_t width, std::size_t height
 }
 
 kerf::Ray Camera::ray_through(float x, float y) const {
-  return {.origin = position_, .direction = normalize(corner_ + x * step_x_ + y * step_y_)};
+  return {.origin = position_, .direction = normalize(way_to(x, y))};
 }
 
 }  // namespace workbench

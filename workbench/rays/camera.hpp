@@ -5,6 +5,7 @@
 
 #include <kerf/ray.hpp>
 
+#include "workbench/base/vectors.hpp"
 #include "workbench/scene/scene.hpp"
 
 namespace workbench {
@@ -17,8 +18,13 @@ class Camera {
   /// The ray through the point (x, y) of the picture, in pixels. Its direction has about unit length.
   kerf::Ray ray_through(float x, float y) const;
 
+  kerf::Vec3f position() const { return position_; }
+
+  /// From the camera to the point (x, y) of the picture, which lies at distance 1.
+  kerf::Vec3f way_to(float x, float y) const { return corner_ + x * step_x_ + y * step_y_; }
+
  private:
-  kerf::Vec3f position_, corner_, step_x_, step_y_;  // the picture lies at distance 1
+  kerf::Vec3f position_, corner_, step_x_, step_y_;
 };
 
 }  // namespace workbench

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <cstdint>
+#include <limits>
+#include <utility>
 
 #include "workbench/base/vectors.hpp"
 #include "workbench/rays/camera.hpp"
@@ -35,16 +37,23 @@ void for_each_pixel_in_tiles(const RaySetOptions& size, Visit&& visit) {
   }
 }
 
-std::vector<Ray> primary_rays(const Scene& scene, const RaySetOptions& size) {
-  std::vector<Ray> rays;
-  rays.reserve(scene.viewpoints.size() * size.width * size.height);
+RaySet primary_rays(const Scene& scene, const RaySetOptions& size) {
+  RaySet set{.type = RayType::primary, .rays = {}};
+  CameraRays maker;
+  const std::size_t count = scene.viewpoints.size() * size.width * size.height;
+  set.rays.reserve(count);
+  maker.samples.reserve(count);
   for (const Viewpoint& viewpoint : scene.viewpoints) {
-    const Camera camera(viewpoint, size.width, size.height);
-    for_each_pixel_in_tiles(size, [&](std::size_t x, std::size_t y) {
-      rays.push_back(camera.ray_through(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
+    const auto number = static_cast<std::uint32_t>(maker.cameras.size());
+    const Camera& camera = maker.cameras.emplace_back(viewpoint, size.width, size.height);
+    for_each_pixel_in_tiles(size, [&](std::size_t column, std::size_t row) {
+      const float x = static_cast<float>(column) + 0.5f, y = static_cast<float>(row) + 0.5f;
+      set.rays.push_back(camera.ray_through(x, y));
+      maker.samples.push_back({x, y, 1.0f / length(camera.way_to(x, y)), number});
     });
   }
-  return rays;
+  set.maker = std::move(maker);
+  return set;
 }
 
 struct SurfacePoint {
@@ -66,9 +75,10 @@ SurfacePoint surface_at(const Scene& scene, const Ray& ray, const Hit& hit) {
           {static_cast<float>(scale * nx), static_cast<float>(scale * ny), static_cast<float>(scale * nz)}};
 }
 
-// A direction whose density is proportional to the cosine of its angle to `normal`: a uniform point of the
-// unit disc, lifted to the hemisphere (Malley's method).
-Vec3f cosine_distributed(const Vec3f& normal, RandomNumbers& random) {
+// From here a ray leaves in a direction whose density is proportional to the cosine of its angle to the
+// normal: a uniform point of the unit disc, lifted to the hemisphere (Malley's method).
+SurfaceRays::Sample cosine_distributed(const SurfacePoint& point, RandomNumbers& random) {
+  const Vec3f& normal = point.normal;
   const float r2 = random.uniform();
   const float r = std::sqrt(r2);
   const auto [sine, cosine] = sine_cosine(random.uniform());
@@ -78,7 +88,7 @@ Vec3f cosine_distributed(const Vec3f& normal, RandomNumbers& random) {
   const float b = normal.x * normal.y * a;
   const Vec3f tangent{1.0f + sign * normal.x * normal.x * a, sign * b, -sign * normal.x};
   const Vec3f bitangent{b, sign + normal.y * normal.y * a, -normal.y};
-  return r * cosine * tangent + r * sine * bitangent + std::sqrt(1.0f - r2) * normal;
+  return {point.position, normal, r * cosine * tangent + r * sine * bitangent, std::sqrt(1.0f - r2)};
 }
 
 float max_abs_coordinate(const Box3f& box) {
@@ -104,28 +114,27 @@ std::string_view name(RayType type) {
 }
 
 RaySet make_rays(const Scene& scene, const Bvh& bvh, RayType type, const RaySetOptions& options) {
-  RaySet set{.type = type, .rays = primary_rays(scene, options)};
+  RaySet primary = primary_rays(scene, options);
+  if (type == RayType::primary) return primary;
+  RaySet set{.type = type, .rays = {}};
   const Box3f bounds = bvh.bounds();
-  if (type == RayType::primary) return set;
-  if (bounds.empty()) return {.type = type, .rays = {}};
+  if (bounds.empty()) return set;
 
-  std::vector<Hit> hits(set.rays.size());
-  bvh.intersect(set.rays, hits);
+  std::vector<Hit> hits(primary.rays.size());
+  bvh.intersect(primary.rays, hits);
   const float diagonal = length(extent(bounds));
   const float rounding = 8.0f * std::numeric_limits<float>::epsilon() * max_abs_coordinate(bounds);
-  const float offset = std::max(secondary_offset * diagonal, rounding);
-
-  std::size_t count = 0;
+  SurfaceRays maker;
+  maker.offset = std::max(secondary_offset * diagonal, rounding);
+  if (type == RayType::ao) maker.t_max = ao_reach * diagonal;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i]) continue;
     RandomNumbers random(i);
-    const SurfacePoint point = surface_at(scene, set.rays[i], hits[i]);
-    Ray secondary{.origin = point.position + offset * point.normal,
-                  .direction = cosine_distributed(point.normal, random)};
-    if (type == RayType::ao) secondary.t_max = ao_reach * diagonal;
-    set.rays[count++] = secondary;
+    maker.samples.push_back(cosine_distributed(surface_at(scene, primary.rays[i], hits[i]), random));
+    const MadeRay ray = maker.make(maker.samples.size() - 1);
+    set.rays.push_back({.origin = ray.origin, .direction = ray.direction, .t_max = maker.t_max});
   }
-  set.rays.resize(count);
+  set.maker = std::move(maker);
   return set;
 }
 

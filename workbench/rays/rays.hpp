@@ -4,11 +4,13 @@
 
 #include <cstddef>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include <kerf/bvh.hpp>
 #include <kerf/ray.hpp>
 
+#include "workbench/rays/ray_makers.hpp"
 #include "workbench/scene/scene.hpp"
 
 namespace workbench {
@@ -26,6 +28,9 @@ std::string_view name(RayType type);
 struct RaySet {
   RayType type;
   std::vector<kerf::Ray> rays;  ///< viewpoint after viewpoint, each in tiles of 8 by 8 pixels
+
+  /// Makes the same rays, bit by bit, one at a time.
+  std::variant<CameraRays, SurfaceRays> maker = {};
 
   bool any_hit() const { return type == RayType::ao; }
 };

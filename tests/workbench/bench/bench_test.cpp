@@ -27,7 +27,9 @@ std::vector<Engine> all_engines(unsigned threads) {
   kerf::BuildOptions options;
   options.threads = threads;
   std::vector<Engine> engines{kerf_engine(options, "0")};
-  for (Engine& engine : embree_engines(threads)) engines.push_back(std::move(engine));
+  const std::vector<std::string> isas = embree_isas();
+  if (isas.empty()) return engines;
+  for (Engine& engine : embree_engines(threads, isas.back())) engines.push_back(std::move(engine));
   return engines;
 }
 
@@ -54,8 +56,54 @@ TEST(Bench, AllEnginesHitTheSameOfTheSameRays) {
   }
 }
 
+TEST(Bench, RaysMadeOnTheSpotHitTheSameAsThoseInAnArrayToTheLastBit) {
+  const Scene scene = load_scene("terrain:detail=0.01");
+  std::vector<kerf::Vec3f> vertices = scene.vertices;
+  vertices.emplace_back();  // Embree reads 16 bytes from the last vertex
+  const kerf::TriangleMesh mesh{.vertices = {vertices.data(), scene.vertices.size(), sizeof(kerf::Vec3f)},
+                                .triangles = scene.triangles};
+  const kerf::Bvh bvh = kerf::build(mesh);
+  constexpr std::size_t first = 100;  // blocks and slices start anywhere
+  for (const unsigned threads : {1u, 2u}) {
+    std::size_t tracers = 0;
+    for (const Engine& engine : all_engines(threads)) {
+      for (const Tracer& tracer : engine.build(mesh).tracers) {
+        ASSERT_EQ(bool(tracer.intersect_made), tracer.mode == "single");
+        ASSERT_EQ(bool(tracer.occluded_made), tracer.mode == "single");
+        if (tracer.mode != "single") continue;
+        ++tracers;
+        for (const RayType type : ray_types) {
+          const RaySet set = make_rays(scene, bvh, type, {.width = 64, .height = 48});
+          const auto rays = std::span(set.rays).subspan(first);
+          ASSERT_GT(rays.size(), 1000u);
+          std::vector<kerf::Hit> array(rays.size()), made(rays.size());
+          tracer.intersect(rays, array);
+          tracer.intersect_made(set, first, made);
+          EXPECT_EQ(made, array) << tracer.engine << " " << name(type);
+          std::vector<std::uint8_t> array_occluded(rays.size()), made_occluded(rays.size());
+          tracer.occluded(rays, array_occluded);
+          tracer.occluded_made(set, first, made_occluded);
+          EXPECT_EQ(made_occluded, array_occluded) << tracer.engine << " " << name(type);
+        }
+      }
+    }
+    EXPECT_GE(tracers, embree_isas().empty() ? 1u : 4u);
+  }
+}
+
+TEST(Bench, OnlySingleRaysAreMadeOnTheSpot) {
+  BenchOptions options = short_run(1);
+  const Scene scene = load_scene("terrain:detail=0.002");
+  for (const RaysMade wanted : {RaysMade::made, RaysMade::array}) {
+    options.rays_made = wanted;
+    for (const BenchResult& result : bench_scene(scene, all_engines(1), options).results) {
+      EXPECT_EQ(result.rays_made, result.mode == "single" ? wanted : RaysMade::array) << result.mode;
+    }
+  }
+}
+
 TEST(Bench, WithEmbreeHasEveryEngine) {
-  if (embree_engines(1).empty()) GTEST_SKIP() << "built without Embree";
+  if (embree_isas().empty()) GTEST_SKIP() << "built without Embree";
   const BenchScene figures = bench_scene(load_scene("terrain:detail=0.002"), all_engines(1), short_run(1));
   std::set<std::string> found;
   for (const BenchResult& result : figures.results) found.insert(result.engine + " " + result.mode);
@@ -71,6 +119,8 @@ BenchScene made_up(const std::string& name, double factor) {
   for (const bool kerf : {true, false}) {
     BenchResult result{.engine = kerf ? "kerf" : "peer",
                        .mode = "single",
+                       .isa = kerf ? "AVX2" : "avx",
+                       .rays_made = RaysMade::made,
                        .build_ms = kerf ? 1.0 : 3.0,
                        .bytes = kerf ? 50u : 100u,
                        .build_peak_bytes = 200,
@@ -99,14 +149,17 @@ TEST(Bench, RatiosAreGeometricMeansAndMinima) {
 
 TEST(Bench, JsonHasItsKeys) {
   const BenchScene scenes[] = {made_up("one", 1.0)};
-  const auto json = to_json(scenes, "0.1.0", 2);
+  const auto json = to_json(scenes, {.version = "0.1.0", .threads = 2, .target = "AVX2"});
   EXPECT_EQ(json["kerf"], "0.1.0");
   EXPECT_EQ(json["threads"], 2);
+  EXPECT_EQ(json["target"], "AVX2");
   EXPECT_EQ(json["scenes"][0]["name"], "one");
   EXPECT_EQ(json["scenes"][0]["triangles"], 10);
   const auto& result = json["scenes"][0]["results"][1];
   EXPECT_EQ(result["engine"], "peer");
   EXPECT_EQ(result["mode"], "single");
+  EXPECT_EQ(result["isa"], "avx");
+  EXPECT_EQ(result["rays_made"], "made");
   EXPECT_EQ(result["build_ms"], 3.0);
   EXPECT_EQ(result["bytes"], 100);
   EXPECT_EQ(result["build_peak_bytes"], 200);
@@ -140,7 +193,7 @@ TEST(Bench, TheFloorIsTheTimeOfTheStepsAndEfficiencyItsFractionOfTheTimeTaken) {
   BenchScene scene = made_up("one", 20.0);  // 50 ns a ray
   scene.limits = {.times = {.node_ns = 3.0, .leaf_ns = 5.0}, .counts = {}};
   scene.limits->counts[1] = {.nodes = 5.0, .leaves = 2.0};
-  const auto json = to_json(std::span(&scene, 1), "0.1.0", 1)["scenes"][0]["limits"];
+  const auto json = to_json(std::span(&scene, 1), {.version = "0.1.0", .target = {}})["scenes"][0]["limits"];
   EXPECT_EQ(json["node_ns"], 3.0);
   EXPECT_EQ(json["leaf_ns"], 5.0);
   EXPECT_EQ(json["rays"]["ao"]["steps"], 5.0);

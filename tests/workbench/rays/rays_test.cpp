@@ -1,6 +1,10 @@
 #include "workbench/rays/rays.hpp"
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <variant>
 
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
@@ -92,6 +96,27 @@ TEST(Rays, AmbientOcclusionReachesAQuarterOfTheDiagonal) {
   const Bvh bvh = build(scene.mesh());
   for (const Ray& ray : make_rays(scene, bvh, RayType::ao).rays) ASSERT_FLOAT_EQ(ray.t_max, 0.25f * 6.0f);
   for (const Ray& ray : make_rays(scene, bvh, RayType::diffuse).rays) ASSERT_TRUE(std::isinf(ray.t_max));
+}
+
+TEST(Rays, MadeOneAtATimeAreTheSameBitByBit) {
+  Scene scene = scene_of(make_torus(64, 32));
+  scene.viewpoints = choose_viewpoints(scene.mesh());
+  const Bvh bvh = build(scene.mesh());
+  const auto bits = [](const Ray& ray) { return std::bit_cast<std::array<std::uint32_t, 8>>(ray); };
+  for (const RayType type : ray_types) {
+    const RaySet set = make_rays(scene, bvh, type, {.width = 64, .height = 48});
+    ASSERT_GT(set.rays.size(), 1000u);
+    std::visit(
+        [&](const auto& maker) {
+          ASSERT_EQ(maker.samples.size(), set.rays.size());
+          for (std::size_t i = 0; i < set.rays.size(); ++i) {
+            const MadeRay made = maker.make(i);
+            const Ray ray{.origin = made.origin, .direction = made.direction, .t_max = maker.t_max};
+            ASSERT_EQ(bits(ray), bits(set.rays[i])) << name(type) << " " << i;
+          }
+        },
+        set.maker);
+  }
 }
 
 TEST(Rays, AreTheSameForEveryHierarchyOfTheScene) {

@@ -7,12 +7,15 @@
 #endif
 #include <atomic>
 #include <limits>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <kerf/error.hpp>
 
 #include "workbench/bench/peers/flush_denormals.hpp"
+#include "workbench/bench/peers/made_rays.hpp"
 #include "workbench/bench/peers/ray_blocks.hpp"
 
 namespace workbench {
@@ -33,13 +36,36 @@ struct Memory {
   }
 };
 
+// From the narrowest to the widest, as "isa" of a device's options names them (Embree's manual,
+// rtcNewDevice).
+#if defined(__x86_64__) || defined(__i386__)
+constexpr std::string_view isas[] = {"sse2", "sse4.2", "avx", "avx2", "avx512"};
+#else
+constexpr std::string_view isas[] = {"native"};  // stands for the option left out: there is no choice
+#endif
+
+std::string device_options(unsigned threads, std::string_view isa) {
+  const std::string options = "threads=" + std::to_string(threads);
+  return isa == "native" ? options : options + ",isa=" + std::string(isa);
+}
+
+// Embree makes no device for an instruction set that the machine lacks.
+bool is_supported(std::string_view isa) {
+  const RTCDevice device = rtcNewDevice(device_options(1, isa).c_str());
+  if (device == nullptr) return false;
+  rtcReleaseDevice(device);
+  return true;
+}
+
 struct Device {
   Memory memory;
   RTCDevice handle;
 
-  explicit Device(unsigned threads) {
-    handle = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
-    if (handle == nullptr) throw kerf::Error(kerf::Error::invalid_argument, "Embree cannot make a device");
+  Device(unsigned threads, const std::string& isa) {
+    handle = rtcNewDevice(device_options(threads, isa).c_str());
+    if (handle == nullptr) {
+      throw kerf::Error(kerf::Error::invalid_argument, "Embree cannot make a device for " + isa);
+    }
     rtcSetDeviceMemoryMonitorFunction(handle, Memory::monitor, &memory);
   }
   ~Device() { rtcReleaseDevice(handle); }
@@ -149,6 +175,55 @@ RTCRay to_embree(const kerf::Ray& ray) {
           .flags = 0};
 }
 
+// A ray whose fields other than origin, direction and range are those of every ray; Embree leaves them alone.
+RTCRay unmade_ray() {
+  return to_embree({});
+}
+
+void write(RTCRay& ray, const MadeRay& made, float t_max) {
+  write_fields(ray.org_x, ray.org_y, ray.org_z, made.origin);
+  write_field(ray.tnear, 0.0f);
+  write_fields(ray.dir_x, ray.dir_y, ray.dir_z, made.direction);
+  write_field(ray.tfar, t_max);
+}
+
+class IntersectMade {
+ public:
+  explicit IntersectMade(const Scene& scene) : scene_(scene) { ray_.ray = unmade_ray(); }
+
+  std::optional<kerf::Hit> operator()(const MadeRay& made, float t_max) {
+    write(ray_.ray, made, t_max);
+    ray_.hit.geomID = ray_.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    intersect1(scene_, query_, ray_);
+    const RTCHit& hit = ray_.hit;
+    if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    return kerf::Hit{ray_.ray.tfar, hit.u, hit.v, hit.primID, hit.geomID};
+  }
+
+ private:
+  const FlushDenormals flush_;
+  const Scene& scene_;
+  Query query_{incoherent};
+  RTCRayHit ray_;
+};
+
+class OccludedMade {
+ public:
+  explicit OccludedMade(const Scene& scene) : scene_(scene), ray_(unmade_ray()) {}
+
+  bool operator()(const MadeRay& made, float t_max) {
+    write(ray_, made, t_max);
+    occluded1(scene_, query_, ray_);
+    return ray_.tfar == occluded_t;
+  }
+
+ private:
+  const FlushDenormals flush_;
+  const Scene& scene_;
+  Query query_{incoherent};
+  RTCRay ray_;
+};
+
 Tracer trace_single(std::shared_ptr<const Scene> scene, std::string engine, unsigned threads) {
   return {.engine = std::move(engine),
           .mode = "single",
@@ -180,6 +255,14 @@ Tracer trace_single(std::shared_ptr<const Scene> scene, std::string engine, unsi
                     results[i] = ray.tfar == occluded_t;
                   }
                 });
+              },
+          .intersect_made =
+              [scene, threads](const RaySet& set, std::size_t first, std::span<kerf::Hit> hits) {
+                for_made_rays(threads, set, first, hits, [&] { return IntersectMade(*scene); });
+              },
+          .occluded_made =
+              [scene, threads](const RaySet& set, std::size_t first, std::span<std::uint8_t> results) {
+                for_made_rays(threads, set, first, results, [&] { return OccludedMade(*scene); });
               }};
 }
 
@@ -251,8 +334,9 @@ Tracer trace_packets(std::shared_ptr<const Scene> scene, std::string engine, uns
               }};
 }
 
-Engine embree_engine(std::string name, unsigned threads, Quality quality, bool packets) {
-  const auto device = std::make_shared<Device>(threads);
+Engine embree_engine(std::string name, unsigned threads, const std::string& isa, Quality quality,
+                     bool packets) {
+  const auto device = std::make_shared<Device>(threads, isa);
   const auto build = [=](const kerf::TriangleMesh& mesh) {
     const std::ptrdiff_t before = device->memory.now;
     device->memory.peak = before;
@@ -264,16 +348,26 @@ Engine embree_engine(std::string name, unsigned threads, Quality quality, bool p
     if (packets) traceable.tracers.push_back(trace_packets(scene, name + "-packet", threads));
     return traceable;
   };
-  return {.name = name, .version = "Embree " RTC_VERSION_STRING, .build = build};
+  return {.name = name, .version = "Embree " RTC_VERSION_STRING, .isa = isa, .build = build};
 }
 
 }  // namespace
 
-std::vector<Engine> embree_engines(unsigned threads) {
-  return {
-      embree_engine("embree-high", threads, {RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE}, true),
-      embree_engine("embree-high-robust", threads, {RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_ROBUST}, false),
-      embree_engine("embree-medium", threads, {RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_NONE}, false)};
+std::vector<std::string> embree_isas() {
+  std::vector<std::string> supported;
+  for (const std::string_view isa : isas) {
+    if (is_supported(isa)) supported.emplace_back(isa);
+  }
+  return supported;
+}
+
+std::vector<Engine> embree_engines(unsigned threads, const std::string& isa) {
+  const Quality high{RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE};
+  const Quality robust{RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_ROBUST};
+  const Quality medium{RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_NONE};
+  return {embree_engine("embree-high", threads, isa, high, true),
+          embree_engine("embree-high-robust", threads, isa, robust, false),
+          embree_engine("embree-medium", threads, isa, medium, false)};
 }
 
 }  // namespace workbench

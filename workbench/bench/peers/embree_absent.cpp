@@ -2,7 +2,11 @@
 
 namespace workbench {
 
-std::vector<Engine> embree_engines(unsigned) {
+std::vector<std::string> embree_isas() {
+  return {};
+}
+
+std::vector<Engine> embree_engines(unsigned, const std::string&) {
   return {};
 }
 

@@ -12,6 +12,8 @@
 #include <kerf/mesh.hpp>
 #include <kerf/ray.hpp>
 
+#include "workbench/rays/rays.hpp"
+
 namespace workbench {
 
 /// One way of tracing a finished structure. The calls use the threads that the engine was made for.
@@ -20,6 +22,11 @@ struct Tracer {
   std::string mode;  ///< "single" (ray by ray), "batch" (spans) or "packet"
   std::function<void(std::span<const kerf::Ray>, std::span<kerf::Hit>)> intersect;
   std::function<void(std::span<const kerf::Ray>, std::span<std::uint8_t>)> occluded;
+
+  /// The same for the rays from `begin` on, one per result, each of which is made right before it is traced
+  /// and whose hit is used right behind. Empty where rays are only taken from arrays.
+  std::function<void(const RaySet&, std::size_t begin, std::span<kerf::Hit>)> intersect_made = {};
+  std::function<void(const RaySet&, std::size_t begin, std::span<std::uint8_t>)> occluded_made = {};
 };
 
 /// A structure that is ready to trace. The tracers own what they refer to.
@@ -32,6 +39,7 @@ struct Traceable {
 struct Engine {
   std::string name;
   std::string version;
+  std::string isa;  ///< the instruction set that it traces with
 
   /// From the caller's arrays to a structure that is ready to trace. This call is timed. It may read 16 bytes
   /// from the start of the last vertex.
