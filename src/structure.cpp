@@ -4,6 +4,23 @@
 
 namespace kerf {
 
+ChildLink TriangleLeaves::operator()(const WideBvh& bvh, std::size_t triangles, std::uint32_t id) const {
+  std::call_once(once_, [&] {
+    std::vector<ChildLink> leaves(triangles);
+    with_width(bvh.width, [&](auto width) {
+      for (const auto& node : std::span(bvh.nodes<WideNode<width>>(), bvh.node_count)) {
+        for (std::uint32_t slot = 0; slot < width; ++slot) {
+          const ChildLink child = node.children[slot];
+          if (!child.is_leaf() || child_box(node, slot).empty()) continue;
+          for (std::uint32_t i = 0; i < child.count(); ++i) leaves[triangle_id(bvh, child, i)] = child;
+        }
+      }
+    });
+    leaves_ = std::move(leaves);
+  });
+  return leaves_[id];
+}
+
 std::shared_ptr<Structure> make_structure(WideBvh wide, std::vector<std::uint32_t> first_triangles,
                                           std::size_t degenerate_triangles) {
   auto structure = std::make_shared<Structure>();

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -15,12 +16,29 @@ namespace kerf {
 
 struct Kernels;
 
+/// For each triangle the leaf that it stands in, or one of them: found when it is first asked for.
+class TriangleLeaves {
+ public:
+  TriangleLeaves() = default;
+  TriangleLeaves(const TriangleLeaves&) {}  ///< a copy finds them itself
+  TriangleLeaves& operator=(const TriangleLeaves&) = delete;
+
+  /// The link of the leaf with triangle `id`; a node's link for a triangle in no leaf. Throws
+  /// `std::bad_alloc`.
+  ChildLink operator()(const WideBvh& bvh, std::size_t triangles, std::uint32_t id) const;
+
+ private:
+  mutable std::once_flag once_;
+  mutable std::vector<ChildLink> leaves_;
+};
+
 /// Nothing in it changes once it is shared.
 struct Structure {
   WideBvh wide;
   std::vector<std::uint32_t> first_triangles;  ///< of each mesh, see `Layout`
   BvhStatistics statistics;
   const Kernels* kernels = nullptr;  ///< what traces `wide`; null for a hierarchy of nothing
+  TriangleLeaves triangle_leaves;
 
   static const Structure& of(const Bvh& bvh) { return *bvh.structure_; }
   static Bvh share(std::shared_ptr<const Structure> structure) { return Bvh(std::move(structure)); }

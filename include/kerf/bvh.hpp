@@ -13,6 +13,7 @@
 #include <type_traits>
 #include <vector>
 
+#include <kerf/batch.hpp>
 #include <kerf/export.hpp>
 #include <kerf/query.hpp>
 #include <kerf/ray.hpp>
@@ -62,12 +63,14 @@ class KERF_API Bvh {
   /// True if anything is hit in `[ray.t_min, ray.t_max]`.
   bool occluded(const Ray& ray) const;
 
-  /// `hits[i]` becomes the closest hit of `rays[i]`, or a `Hit` that converts to false. Runs on all cores.
-  /// The hits are the same as one by one. Throws `Error::invalid_argument` if the spans differ in length.
-  void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
+  /// Hit i becomes the closest hit of ray i, or a `Hit` that converts to false. The hits are the same as one
+  /// by one. This and all calls below that take many rays, points or boxes run on all cores, or on as many
+  /// threads as `options` says. They throw `Error::invalid_argument` if what is given differs in length, and
+  /// `Error::out_of_memory`.
+  void intersect(const RayView& rays, const HitView& hits, const BatchOptions& options = {}) const;
 
-  /// `occluded[i]` becomes 1 if `rays[i]` hits anything, else 0. As above.
-  void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded) const;
+  /// Flag i becomes 1 if ray i hits anything, else 0.
+  void occluded(const RayView& rays, const FlagView& occluded, const BatchOptions& options = {}) const;
 
   /// Calls `visit(hit)` for every triangle that the ray crosses in `[ray.t_min, ray.t_max]`, each exactly
   /// once, in the order of (t, mesh, primitive), until `visit` returns false; it may also return nothing.
@@ -97,10 +100,37 @@ class KERF_API Bvh {
   /// may be more than fit.
   std::size_t all_hits(const Ray& ray, std::span<Hit> hits) const;
 
+  /// The number of hits that `all_hits` visits, found without their order and place: in half the time. Throws
+  /// `Error::out_of_memory`.
+  std::size_t count_hits(const Ray& ray) const;
+
+  /// The same for many rays.
+  void count_hits(const RayView& rays, std::span<std::uint32_t> counts,
+                  const BatchOptions& options = {}) const;
+
+  /// All hits of each of many rays, those of a ray in their order.
+  Lists<Hit> all_hits(const RayView& rays, const BatchOptions& options = {}) const;
+
+  /// The same into the caller's memory: those of ray i to `hits[offsets[i]]` and on, up to `offsets[i + 1]`.
+  /// There is one more offset than rays. Of hits for which there is no room, the first are kept; room that is
+  /// left is filled with a `Hit` that converts to false. Sums of what `count_hits` gives are offsets that
+  /// fit.
+  void all_hits(const RayView& rays, std::span<const std::size_t> offsets, std::span<Hit> hits,
+                const BatchOptions& options = {}) const;
+
   /// Whether `point` lies inside the closed surface that the triangles make, or on it. Decided exactly, by
   /// the parity of the crossings of one ray. For a surface with holes or overlaps, the answer is just that
   /// parity.
   bool contains(const Vec3f& point) const;
+
+  /// The same for many points.
+  void contains(const PointView& points, const FlagView& inside, const BatchOptions& options = {}) const;
+
+  /// As `contains`, with the surface told from the inside.
+  Side side(const Vec3f& point) const;
+
+  /// The same for many points.
+  void side(const PointView& points, std::span<Side> sides, const BatchOptions& options = {}) const;
 
   /// The closest point of any triangle within `max_distance` (included); nothing if there is none. Of several
   /// at the same distance, the lowest mesh and triangle. Distances are computed in double precision. The
@@ -109,17 +139,71 @@ class KERF_API Bvh {
   std::optional<SurfacePoint> closest_point(
       const Vec3f& point, float max_distance = std::numeric_limits<float>::infinity()) const;
 
+  /// The same for many points. Where there is none, the result converts to false.
+  void closest_point(const PointView& points, std::span<SurfacePoint> closest,
+                     float max_distance = std::numeric_limits<float>::infinity(),
+                     const BatchOptions& options = {}) const;
+
+  /// The closest points of the `count` triangles that are nearest to `point`, nearest first, or of fewer if
+  /// not so many lie within `max_distance` (included). Each triangle once; of several at the same distance
+  /// the lowest mesh and triangle first.
+  std::vector<SurfacePoint> nearest(const Vec3f& point, std::size_t count,
+                                    float max_distance = std::numeric_limits<float>::infinity()) const;
+
+  /// The same for many points.
+  Lists<SurfacePoint> nearest(const PointView& points, std::size_t count,
+                              float max_distance = std::numeric_limits<float>::infinity(),
+                              const BatchOptions& options = {}) const;
+
   /// The distance to the closest point of a closed surface, negative inside (`contains`). Its sign is exact,
   /// also where the closest point lies on an edge or a vertex. Infinity for an empty hierarchy.
   float signed_distance(const Vec3f& point) const;
+
+  /// The same for many points.
+  void signed_distance(const PointView& points, std::span<float> distances,
+                       const BatchOptions& options = {}) const;
 
   /// The closest point of every triangle that has a point within `radius` (included) of `point`; each
   /// triangle once, nearest first.
   std::vector<SurfacePoint> within(const Vec3f& point, float radius) const;
 
+  /// The same for many points.
+  Lists<SurfacePoint> within(const PointView& points, float radius, const BatchOptions& options = {}) const;
+
   /// Every triangle that has a point in `box`, once, in the order of (mesh, primitive). Decided exactly. A
   /// triangle that touches the box counts.
   std::vector<PrimitiveId> triangles_in(const Box3f& box) const;
+
+  /// The same for many boxes.
+  Lists<PrimitiveId> triangles_in(std::span<const Box3f> boxes, const BatchOptions& options = {}) const;
+
+  /// Whether a triangle of this hierarchy and a triangle of `other`, moved by `transform`, have a point in
+  /// common. Stops at the first pair that is found; see `touching_pairs`.
+  bool touches(const Bvh& other, const Transform& transform = {}) const;
+
+  /// All pairs of a triangle of this hierarchy and a triangle of `other`, moved by `transform`, that have a
+  /// point in common; touching counts. Each pair once, in the order of (mesh, primitive) of the first, then
+  /// of the second.
+  ///
+  /// The vertices of `other` are moved first, in double precision, and rounded to floats, each once: a vertex
+  /// that triangles share stays shared. For the triangles as they are then, the answer is exact. A triangle
+  /// that is flattened by this to a line or a point counts as that. Throws `Error::invalid_argument` if a
+  /// number of the transform is not finite or a moved vertex has a coordinate of 2^126 or more, and
+  /// `Error::out_of_memory`.
+  std::vector<TouchingPair> touching_pairs(const Bvh& other, const Transform& transform = {}) const;
+
+  /// A triangle by its corners, as they were given to `build`; nothing if it is in no leaf, because it has no
+  /// area, or does not exist. The first call goes over all leaves once, to keep 4 bytes per triangle from
+  /// then on. Throws `Error::out_of_memory`.
+  std::optional<Triangle> triangle(const PrimitiveId& id) const;
+
+  /// What `ray` meets at `hit`, which a call of this hierarchy gave for it. Which side the ray comes from is
+  /// exact. Throws `Error::invalid_argument` for a hit of no triangle; as `triangle` otherwise.
+  HitGeometry geometry(const Ray& ray, const Hit& hit) const;
+
+  /// What the hierarchy has of each mesh, in the order given to `build`. Goes over all leaves. Throws
+  /// `Error::out_of_memory`.
+  std::vector<MeshStatistics> mesh_statistics() const;
 
   /// Writes the hierarchy to a file (docs/file-format.md). The same meshes and options give the same bytes,
   /// whatever the number of threads. The file is written beside `path` and gets its name when it is complete

@@ -1,11 +1,12 @@
 // The closest hit: of a ray, of many, and counted.
 #include <algorithm>
+#include <span>
 
 #include <kerf/bvh.hpp>
 #include <kerf/inspect.hpp>
 
-#include "base/raise.hpp"
 #include "queries/batches.hpp"
+#include "queries/ray_columns.hpp"
 #include "structure.hpp"
 #include "traversal/dispatch.hpp"
 
@@ -34,22 +35,29 @@ std::optional<Hit> Bvh::intersect(const Ray& ray) const {
   return hit;
 }
 
-void Bvh::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
-  if (rays.size() != hits.size()) raise(Error::invalid_argument, "as many hits as rays are needed");
+void Bvh::intersect(const RayView& rays, const HitView& hits, const BatchOptions& options) const {
+  require_as_many(rays.count, hits.count, "as many hits as rays are needed");
   const Structure& structure = *structure_;
-  if (structure.wide.empty()) {
-    std::fill(hits.begin(), hits.end(), Hit{});
-    return;
-  }
-  for_each_batch(rays.size(), [&](std::size_t begin, std::size_t count) {
-    structure.kernels->closest_many(structure.wide, rays.data() + begin, count, hits.data() + begin);
-    for (Hit& hit : hits.subspan(begin, count)) {
-      if (hit) {
-        name_triangle(structure, hit);
-      } else {
-        hit = {};
+  Hit* const array = as_array(hits);
+  for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {
+    Hit copies[rays_per_batch];
+    Hit* const batch = array != nullptr ? array + begin : copies;
+    if (structure.wide.empty()) {
+      std::fill_n(batch, count, Hit{});
+    } else {
+      with_rays(rays, begin, count, [&](const Ray* from) {
+        structure.kernels->closest_many(structure.wide, from, count, batch);
+      });
+      for (Hit& hit : std::span(batch, count)) {
+        if (hit) {
+          name_triangle(structure, hit);
+        } else {
+          hit = {};
+        }
       }
     }
+    if (array != nullptr) return;
+    for (std::size_t i = 0; i < count; ++i) write_hit(hits, begin + i, batch[i]);
   });
 }
 

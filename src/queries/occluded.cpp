@@ -4,8 +4,8 @@
 #include <kerf/bvh.hpp>
 #include <kerf/inspect.hpp>
 
-#include "base/raise.hpp"
 #include "queries/batches.hpp"
+#include "queries/ray_columns.hpp"
 #include "structure.hpp"
 #include "traversal/dispatch.hpp"
 
@@ -16,15 +16,20 @@ bool Bvh::occluded(const Ray& ray) const {
   return !structure.wide.empty() && structure.kernels->any(structure.wide, ray);
 }
 
-void Bvh::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded) const {
-  if (rays.size() != occluded.size()) raise(Error::invalid_argument, "as many results as rays are needed");
+void Bvh::occluded(const RayView& rays, const FlagView& occluded, const BatchOptions& options) const {
+  require_as_many(rays.count, occluded.size(), "as many results as rays are needed");
   const Structure& structure = *structure_;
-  if (structure.wide.empty()) {
-    std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
-    return;
-  }
-  for_each_batch(rays.size(), [&](std::size_t begin, std::size_t count) {
-    structure.kernels->any_many(structure.wide, rays.data() + begin, count, occluded.data() + begin);
+  for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {
+    std::uint8_t copies[rays_per_batch] = {};
+    std::uint8_t* const batch = occluded.stride() == 1 ? occluded.data() + begin : copies;
+    if (structure.wide.empty()) {
+      std::fill_n(batch, count, std::uint8_t{0});
+    } else {
+      with_rays(rays, begin, count,
+                [&](const Ray* from) { structure.kernels->any_many(structure.wide, from, count, batch); });
+    }
+    if (batch != copies) return;
+    for (std::size_t i = 0; i < count; ++i) occluded.set(begin + i, batch[i] != 0);
   });
 }
 

@@ -6,10 +6,12 @@
 #include <vector>
 
 #include <kerf/counters.hpp>
+#include <kerf/query.hpp>
 #include <kerf/ray.hpp>
 
 #include "layout/wide_bvh.hpp"
-#include "traversal/lines/prepared_line.hpp"
+#include "math/motion.hpp"
+#include "traversal/lines/crossing.hpp"
 #include "traversal/points/near_triangle.hpp"
 
 namespace kerf {

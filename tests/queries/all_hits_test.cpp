@@ -32,6 +32,28 @@ TEST(AllHits, VisitsCopiesOfOneTriangleEachOnceInOrder) {
   }
 }
 
+TEST(AllHits, ManyHitsAreListedInOrderWhereverTheyLie) {
+  // On both sides of the numbers from which lists are sorted by digits; t and numbers in no order.
+  std::mt19937 random(1);
+  for (const std::size_t count : {1000u, 3000u}) {
+    std::vector<Triangle> layers;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float z = static_cast<float>(random() % 700) / 8.0f;
+      layers.push_back({{-4, -4, z}, {8, -4, z}, {-4, 8, z}});
+    }
+    const Bvh bvh = build(Soup(layers).mesh());
+    const Ray ray{.origin = {0.1f, 0.2f, -1}, .direction = {0, 0, 2}};
+    std::vector<Hit> hits(count);
+    ASSERT_EQ(bvh.all_hits(ray, hits), count);
+    EXPECT_EQ(bvh.count_hits(ray), count);
+    for (std::size_t i = 1; i < count; ++i) {
+      ASSERT_TRUE(hits[i - 1].t < hits[i].t ||
+                  (hits[i - 1].t == hits[i].t && hits[i - 1].primitive < hits[i].primitive));
+    }
+    EXPECT_EQ(gather(bvh, ray), hits);
+  }
+}
+
 TEST(AllHits, StopsWhenTheVisitorSaysSo) {
   const Bvh bvh = build(workbench::make_sphere(3).mesh());
   const Ray ray{.origin = {0.1f, 0.2f, 5}, .direction = {0, 0, -1}};

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "math/line_crossing.hpp"
+#include "math/ray_box.hpp"
 #include "math/ray_crossing.hpp"
-#include "queries/line_crossing.hpp"
 #include "support/adversarial.hpp"
 #include "support/build_options.hpp"
 #include "support/exact_oracle.hpp"
-#include "traversal/dispatch.hpp"
 
 namespace kerf {
 namespace {
@@ -46,6 +46,19 @@ std::vector<Hit> gather(const Bvh& bvh, const Ray& ray) {
   EXPECT_TRUE(std::is_sorted(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
     return a.t != b.t ? a.t < b.t : a.primitive < b.primitive;
   }));
+  EXPECT_EQ(bvh.count_hits(ray), hits.size());
+  std::vector<Hit> listed(hits.size() + 1);
+  EXPECT_EQ(bvh.all_hits(ray, listed), hits.size());
+  EXPECT_TRUE(std::equal(hits.begin(), hits.end(), listed.begin()));
+  // However early the visitor stops, it has seen the first hits.
+  for (std::size_t count = 1; count < hits.size(); ++count) {
+    std::vector<Hit> first;
+    bvh.all_hits(ray, [&](const Hit& hit) {
+      first.push_back(hit);
+      return first.size() < count;
+    });
+    EXPECT_TRUE(first.size() == count && std::equal(first.begin(), first.end(), hits.begin()));
+  }
   return hits;
 }
 
@@ -134,8 +147,8 @@ TEST(CrossingExactness, IsExactAtBothEndsOfTheRange) {
   }
 }
 
-// The queue of `for_each_crossing` relies on this: otherwise a crossing would be found after later ones have
-// been visited. Rounding changes t most for grazing rays.
+// The order of `all_hits` relies on this: otherwise a crossing would be found after later ones have been
+// visited. Rounding changes t most for grazing rays.
 TEST(CrossingExactness, NoCrossingSeemsToComeBeforeItsBox) {
   std::mt19937 random(7);
   int crossings = 0;
@@ -156,25 +169,8 @@ TEST(CrossingExactness, NoCrossingSeemsToComeBeforeItsBox) {
     if (t_crossing < 0.0f) continue;
     ++crossings;
     const Box3f box = bounds_of(triangle);
-    const PreparedLine line({.origin = origin, .direction = direction});
-    const Kernels& kernels = choose_kernels();
-    float entry[max_node_width];
-    with_width(kernels.node_width, [&](auto width) {
-      WideNode<width> node{};
-      for (std::uint32_t slot = 0; slot < width; ++slot) {
-        for (int axis = 0; axis < 3; ++axis) {
-          node.planes[axis][0][slot] = box.lower[axis];
-          node.planes[axis][1][slot] = box.upper[axis];
-        }
-      }
-      WideBvh bvh;
-      bvh.width = width;
-      bvh.node_count = 1;
-      bvh.node_data = &node;
-      ChildLink children[max_node_width];
-      ASSERT_EQ(kernels.line_meets(bvh, 0, line, entry, children), (1u << width) - 1);
-    });
-    for (std::uint32_t slot = 0; slot < kernels.node_width; ++slot) ASSERT_LE(entry[slot], t_crossing);
+    const RayBoxes boxes(origin, direction, box);
+    ASSERT_LE(boxes.entry(box, 0.0f, std::numeric_limits<float>::infinity()), t_crossing);
   }
   EXPECT_GT(crossings, 20000);
 }

@@ -1,92 +1,206 @@
+// Every crossing of a ray: counted, listed, in order, and by their parity.
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <limits>
 
+#include "base/id_set.hpp"
+#include "base/out_of_memory.hpp"
 #include "layout/wide_bvh.hpp"
-#include "math/predicates.hpp"
+#include "math/box3f.hpp"
+#include "math/line_crossing.hpp"
 #include "simd/targets.hpp"
 #include "traversal/dispatch.hpp"
-#include "traversal/lines/prepared_line.hpp"
+#include "traversal/lines/crossing.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "traversal/lines/line_query.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "simd/doubles-inl.h"
-#include "traversal/node-inl.h"
+#include "traversal/lines/line_leaf-inl.h"
+#include "traversal/lines/line_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// The signs of determinants, as far as they are certain: see `Determinant`.
-struct Signs {
-  hn::Mask<DoubleTag> positive, negative;
-};
+// Out of line, as what few triangles need, and with nothing by reference that is in registers otherwise.
+HWY_NOINLINE HWY_ATTR bool crosses_exactly(const WideBvh& bvh, ChildLink leaf, std::uint32_t i,
+                                           const Ray& ray) {
+  RayCrossing crossing;
+  return ray_crosses(ray, triangle_in(bvh, leaf, i), crossing);
+}
 
-// `determinant` of math/predicates.hpp, operation by operation.
-HWY_INLINE Signs determinant_signs(const Vec3Doubles& a, const Vec3Doubles& b, const Vec3Doubles& c) {
-  const auto yz = hn::Mul(b.y, c.z), zy = hn::Mul(b.z, c.y), zx = hn::Mul(b.z, c.x), xz = hn::Mul(b.x, c.z),
-             xy = hn::Mul(b.x, c.y), yx = hn::Mul(b.y, c.x);
-  const auto sizes = [](DoubleVector p, DoubleVector q) HWY_ATTR { return hn::Add(hn::Abs(p), hn::Abs(q)); };
-  const auto value = hn::Add(hn::Add(hn::Mul(a.x, hn::Sub(yz, zy)), hn::Mul(a.y, hn::Sub(zx, xz))),
-                             hn::Mul(a.z, hn::Sub(xy, yx)));
-  const auto size =
-      hn::Add(hn::Add(hn::Mul(hn::Abs(a.x), sizes(yz, zy)), hn::Mul(hn::Abs(a.y), sizes(zx, xz))),
-              hn::Mul(hn::Abs(a.z), sizes(xy, yx)));
-  const auto error = hn::Mul(hn::Set(DoubleTag(), Determinant::bound), size);
-  return {hn::Gt(value, error), hn::Lt(value, hn::Neg(error))};
+// Calls `found(i)` for each triangle of the leaf that is crossed.
+template <class Found>
+HWY_INLINE void for_each_crossed(const WideBvh& bvh, ChildLink leaf, const Ray& ray,
+                                 const LeafCrossings& crossings, Found&& found) {
+  std::uint32_t crossed = crossings.certain;
+  for (std::uint32_t rest = crossings.open; HWY_UNLIKELY(rest != 0); rest &= rest - 1) {
+    const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
+    crossed |= std::uint32_t{crosses_exactly(bvh, leaf, i, ray)} << i;
+  }
+  for (; crossed != 0; crossed &= crossed - 1) found(static_cast<std::uint32_t>(std::countr_zero(crossed)));
+}
+
+// Calls `found(crossing)` for each triangle of the leaf that is crossed.
+template <class Found>
+HWY_INLINE void for_each_crossing(const WideBvh& bvh, ChildLink leaf, const Ray& ray,
+                                  const LeafCrossings& crossings, Found&& found) {
+  for (std::uint32_t rest = crossings.certain | crossings.open; rest != 0; rest &= rest - 1) {
+    const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
+    const Triangle triangle = triangle_in(bvh, leaf, i);
+    RayCrossing at;
+    if (HWY_LIKELY((crossings.certain >> i) & 1)) {
+      at = crossing_of(ray.origin, ray.direction, triangle);
+    } else if (!ray_crosses(ray, triangle, at)) {
+      continue;
+    }
+    found(Crossing{at.t, at.u, at.v, triangle_id(bvh, leaf, i)});
+  }
+}
+
+// The direction of the ray whose crossings are counted for a point. Any gives the same answer. One that is
+// oblique to all coordinate planes leaves few decisions to exact arithmetic in scenes with walls along the
+// axes.
+constexpr Vec3f oblique{0.8571f, 0.3163f, 0.4067f};
+
+// The nodes that wait, with the distances at which the ray enters them. The last is the next. One below it
+// that is nearer comes first as long as there are few: then there is room for all that come after.
+using WaitingNodes = Stack<2>;
+constexpr std::size_t few_nodes = WaitingNodes::capacity - (node_width - 1) * max_tree_depth - 2 * node_width;
+
+// Where the smallest of `count` numbers stands. A vector may be read behind the last.
+HWY_INLINE std::size_t place_of_min(const float* t, std::size_t count) {
+  const FloatTag tag;
+  const auto infinity = hn::Set(tag, std::numeric_limits<float>::infinity());
+  auto smallest = infinity;
+  for (std::size_t i = 0; i < count; i += vector_lanes) {
+    smallest = hn::Min(smallest, hn::IfThenElse(hn::FirstN(tag, count - i), hn::LoadU(tag, t + i), infinity));
+  }
+  const float min = hn::GetLane(hn::MinOfLanes(tag, smallest));
+  std::size_t place = 0;
+  while (t[place] != min) ++place;
+  return place;
 }
 
 }  // namespace
 
-std::uint32_t line_meets(const WideBvh& bvh, std::uint32_t number, const PreparedLine& line, float* entry,
-                         ChildLink* children) {
-  const Node& node = node_at(bvh, number);
-  std::copy_n(node.children, node_width, children);
-  const DoubleTag tag;
-  const hn::Rebind<float, DoubleTag> narrow;
-  // A difference, a reciprocal and a product give each distance a relative error of up to 3 * 2^-53.
-  const auto late = hn::Set(tag, 1.0 + 8.0 / 9007199254740992.0), early = hn::Set(tag, 1.0 - 0x1p-23);
-  const double inverses[3] = {line.inverse.x, line.inverse.y, line.inverse.z};
-  std::uint32_t met = 0;
-  for (std::size_t i = 0; i < node_width; i += double_lanes) {
-    auto enter = hn::Set(tag, double{line.t_min}), leave = hn::Set(tag, double{line.t_max});
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto origin = hn::Set(tag, double{line.origin[axis]}), inverse = hn::Set(tag, inverses[axis]);
-      const bool backwards = inverses[axis] < 0.0;
-      const auto distance = [&](bool upper, auto rounding) HWY_ATTR {
-        const auto plane = load_doubles(node.planes[axis][upper] + i);
-        return hn::Mul(hn::Mul(hn::Sub(plane, origin), inverse), rounding);
-      };
-      const auto near = distance(backwards, early), far = distance(!backwards, late);
-      enter = hn::IfThenElse(hn::Gt(near, enter), near, enter);
-      leave = hn::IfThenElse(hn::Lt(far, leave), far, leave);
-    }
-    met |= bits(tag, hn::Le(enter, leave)) << i;
-    const auto max_float = hn::Set(tag, double{std::numeric_limits<float>::max()});
-    hn::StoreU(hn::DemoteTo(narrow, hn::Min(enter, max_float)), narrow, entry + i);
-  }
-  return met;
+std::size_t count_crossings(const WideBvh& bvh, const Ray& ray) {
+  LineRay line;
+  if (!set_up_line(ray, bvh, line)) return 0;
+  IdSet ids;
+  walk_line(bvh, line, [&](ChildLink leaf) HWY_ATTR {
+    const LeafCrossings crossings = cross_leaf(line.leaf, bvh, leaf);
+    if ((crossings.certain | crossings.open) == 0) return true;
+    for_each_crossed(bvh, leaf, ray, crossings,
+                     [&](std::uint32_t i) { ids.insert(triangle_id(bvh, leaf, i)); });
+    return true;
+  });
+  return ids.size();
 }
 
-std::uint32_t line_may_cross(const WideBvh& bvh, ChildLink leaf, const PreparedLine& line) {
-  const std::uint32_t count = leaf.count();
-  const float* rows = leaf_rows(bvh, leaf);
-  const Vec3Doubles origin = broadcast_doubles(line.origin), direction = broadcast_doubles(line.direction);
-  std::uint32_t may = 0;
-  for (std::uint32_t begin = 0; begin < count; begin += double_lanes) {
-    const auto corner = [&](std::size_t row)
-                            HWY_ATTR { return load_vectors(rows + row * count + begin, count) - origin; };
-    const Vec3Doubles a = corner(0), b = corner(3), c = corner(6);
-    const Signs wa = determinant_signs(direction, b, c), wb = determinant_signs(direction, c, a),
-                wc = determinant_signs(direction, a, b);
-    const auto positive = hn::Or(hn::Or(wa.positive, wb.positive), wc.positive);
-    const auto negative = hn::Or(hn::Or(wa.negative, wb.negative), wc.negative);
-    may |= (~bits(DoubleTag(), hn::And(positive, negative)) & ((1u << double_lanes) - 1)) << begin;
+void find_crossings(const WideBvh& bvh, const Ray& ray, Crossings& found) {
+  LineRay line;
+  if (!set_up_line(ray, bvh, line)) return;
+  walk_line(bvh, line, [&](ChildLink leaf) HWY_ATTR {
+    for_each_crossing(bvh, leaf, ray, cross_leaf(line.leaf, bvh, leaf),
+                      [&](const Crossing& crossing) { found.push_back(crossing); });
+    return true;
+  });
+}
+
+// Nodes wait on a stack, the nearest children on top, and crossings in a heap. A crossing is visited when no
+// node that waits can contain an earlier one. A triangle with references in several leaves is found in each
+// of them that the ray meets, always at the same t. Whether it has been visited already, its place in the
+// order tells: then it does not come after the last crossing visited.
+void visit_crossings(const WideBvh& bvh, const Ray& ray, void* visitor,
+                     bool (*visit)(void* visitor, const Crossing& crossing)) {
+  LineRay line;
+  if (!set_up_line(ray, bvh, line)) return;
+  const auto later = [](const Crossing& a, const Crossing& b) { return comes_before(b, a); };
+  Crossings found;
+  Crossing last{-std::numeric_limits<float>::infinity(), 0.0f, 0.0f, 0};
+  bool any = false;
+  const auto report = [&](const Crossing& crossing) {
+    if (any && !comes_before(last, crossing)) return true;
+    any = true;
+    last = crossing;
+    return visit(visitor, crossing);
+  };
+
+  const NodeConstants constants(line.wide);
+  const BoxVector t_max = box_vector(line.t_max);
+  WaitingNodes waiting;
+  const auto entered = [&](std::size_t i) {
+    return static_cast<float>(
+        std::min(waiting.t[i] * line.unscale, double{std::numeric_limits<float>::max()}));
+  };
+  std::size_t depth = 0;
+  ChildLink link = ChildLink::node(0);
+  while (true) {
+    if (link.is_leaf()) {
+      for_each_crossing(bvh, link, ray, cross_leaf(line.leaf, bvh, link), [&](const Crossing& crossing) {
+        if (any && !comes_before(last, crossing)) return;
+        report_out_of_memory([&] { found.push_back(crossing); });
+        std::push_heap(found.begin(), found.end(), later);
+      });
+    } else {
+      const Node& node = node_at(bvh, link.node());
+      std::uint32_t nearest;
+      push_children<false>(node, meet_boxes(constants, t_max, node), line.wide.octant, waiting, depth,
+                           nearest);
+    }
+    while (true) {
+      if (depth == 0) {
+        report_out_of_memory([&] { sort_crossings({found.begin(), found.size()}); });
+        for (const Crossing& crossing : found)
+          if (!report(crossing)) return;
+        return;
+      }
+      if (found.empty() || depth > few_nodes || entered(depth - 1) <= found.front().t) break;
+      const std::size_t place = place_of_min(waiting.t, depth);
+      const float nearest = entered(place);
+      if (nearest <= found.front().t) {
+        std::swap(waiting.t[place], waiting.t[depth - 1]);
+        std::swap(waiting.link[place], waiting.link[depth - 1]);
+        break;
+      }
+      do {
+        std::pop_heap(found.begin(), found.end(), later);
+        const Crossing crossing = found.back();
+        found.pop_back();
+        if (!report(crossing)) return;
+      } while (!found.empty() && found.front().t < nearest);
+    }
+    link = ChildLink(waiting.link[--depth]);
   }
-  return may & ((1u << count) - 1);
+}
+
+// One ray from the point: its leaves are among those whose boxes hold the point, so that it also meets the
+// triangles that the point lies on. They are not certainly missed, nor at a t that is certainly not 0.
+Side side_of(const WideBvh& bvh, const Vec3f& point) {
+  const Ray ray{.origin = point, .direction = oblique};
+  LineRay line;
+  if (!set_up_line(ray, bvh, line)) return Side::outside;
+  IdSet ids;
+  bool on = false;
+  walk_line(bvh, line, [&](ChildLink leaf) HWY_ATTR {
+    const LeafCrossings crossings = cross_leaf(line.leaf, bvh, leaf);
+    for (std::uint32_t rest = crossings.open; HWY_UNLIKELY(rest != 0); rest &= rest - 1) {
+      const Triangle triangle = triangle_in(bvh, leaf, static_cast<std::uint32_t>(std::countr_zero(rest)));
+      if (!contains(bounds_of(triangle), Box3f{point, point}) || !lies_on(point, triangle)) continue;
+      on = true;
+      return false;
+    }
+    for_each_crossed(bvh, leaf, ray, crossings,
+                     [&](std::uint32_t i) { ids.insert(triangle_id(bvh, leaf, i)); });
+    return true;
+  });
+  if (on) return Side::on;
+  return ids.size() % 2 == 1 ? Side::inside : Side::outside;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -2,6 +2,7 @@
 #include <bit>
 #include <vector>
 
+#include "base/id_set.hpp"
 #include "math/point_box.hpp"
 #include "math/predicates.hpp"
 #include "simd/targets.hpp"
@@ -22,9 +23,10 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Visits the nearest child first, until no box that is left is as near as the best triangle.
-template <class Boxes>
-HWY_INLINE bool find_closest(const WideBvh& bvh, const Vec3f& point, double reach, NearTriangle& best) {
+// Visits the nearest child first, until no box that is left is as near as `reach`. `found(triangle)` is
+// called for each triangle of a leaf within `reach`, and gives what `reach` is from then on.
+template <class Boxes, class Found>
+HWY_INLINE void visit_nearest_first(const WideBvh& bvh, const Vec3f& point, double reach, Found&& found) {
   // A node some of whose children have not been visited.
   struct Open {
     const Node* node;
@@ -34,13 +36,12 @@ HWY_INLINE bool find_closest(const WideBvh& bvh, const Vec3f& point, double reac
   const PointTriangles triangles(point);
   Open waiting[max_tree_depth];
   std::size_t depth = 0;
-  bool any = false;
   std::uint32_t limit = boxes.limit(reach);
   Open open{&node_at(bvh, 0), boxes.keys(node_at(bvh, 0))};
   while (true) {
     const std::uint32_t key = min_key(open.keys);
     if (key > limit) {
-      if (depth == 0) return any;
+      if (depth == 0) return;
       open = waiting[--depth];
       continue;
     }
@@ -52,14 +53,43 @@ HWY_INLINE bool find_closest(const WideBvh& bvh, const Vec3f& point, double reac
       open.keys = boxes.keys(*open.node);
       continue;
     }
-    triangles.find(bvh, child, reach, [&](const NearTriangle& found) HWY_ATTR {
-      if (any && !is_nearer(found, best)) return;
-      any = true;
-      best = found;
-      reach = found.squared_distance;
+    triangles.find(bvh, child, reach, [&](const NearTriangle& triangle) HWY_ATTR {
+      const double next = found(triangle);
+      if (next == reach) return;
+      reach = next;
       limit = boxes.limit(reach);
     });
   }
+}
+
+template <class Boxes>
+HWY_INLINE bool find_closest(const WideBvh& bvh, const Vec3f& point, double reach, NearTriangle& best) {
+  bool any = false;
+  visit_nearest_first<Boxes>(bvh, point, reach, [&](const NearTriangle& triangle) HWY_ATTR {
+    if (!any || is_nearer(triangle, best)) best = triangle;
+    any = true;
+    return best.squared_distance;
+  });
+  return any;
+}
+
+// A triangle that has left the heap is never among the nearest again, so that the set need not forget it.
+template <class Boxes>
+HWY_INLINE void find_nearest(const WideBvh& bvh, const Vec3f& point, double reach, std::size_t count,
+                             std::vector<NearTriangle>& nearest) {
+  IdSet ids;
+  visit_nearest_first<Boxes>(bvh, point, reach, [&](const NearTriangle& triangle) {
+    const bool full = nearest.size() == count;
+    if ((!full || is_nearer(triangle, nearest.front())) && ids.insert(triangle.id)) {
+      if (full) {
+        std::pop_heap(nearest.begin(), nearest.end(), is_nearer);
+        nearest.pop_back();
+      }
+      nearest.push_back(triangle);
+      std::push_heap(nearest.begin(), nearest.end(), is_nearer);
+    }
+    return nearest.size() == count ? nearest.front().squared_distance : reach;
+  });
 }
 
 template <class Boxes>
@@ -95,6 +125,11 @@ bool is_far(const WideBvh& bvh, const Vec3f& point) {
 bool closest_triangle(const WideBvh& bvh, const Vec3f& point, double reach, NearTriangle& best) {
   return is_far(bvh, point) ? find_closest<FarPointBoxes>(bvh, point, reach, best)
                             : find_closest<PointBoxes>(bvh, point, reach, best);
+}
+void nearest_triangles(const WideBvh& bvh, const Vec3f& point, double reach, std::size_t count,
+                       std::vector<NearTriangle>& nearest) {
+  is_far(bvh, point) ? find_nearest<FarPointBoxes>(bvh, point, reach, count, nearest)
+                     : find_nearest<PointBoxes>(bvh, point, reach, count, nearest);
 }
 void triangles_within(const WideBvh& bvh, const Vec3f& point, double reach,
                       std::vector<NearTriangle>& found) {

@@ -54,6 +54,13 @@ inline bool line_crosses(const Vec3f& o, const Vec3f& d, const Triangle& triangl
   return sa != 0 && sa == sb && sb == sc;
 }
 
+/// Whether the ray crosses `triangle` within its range, and where. The range is that of the rounded t.
+inline bool ray_crosses(const Ray& ray, const Triangle& triangle, RayCrossing& crossing) {
+  if (!line_crosses(ray.origin, ray.direction, triangle)) return false;
+  crossing = crossing_of(ray.origin, ray.direction, triangle);
+  return crossing.t >= ray.t_min && crossing.t <= ray.t_max;
+}
+
 /// Whether `p` lies on the triangle, its edges and vertices included.
 inline bool lies_on(const Vec3f& p, const Triangle& triangle) {
   const auto& [a, b, c] = triangle;

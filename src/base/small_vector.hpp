@@ -20,10 +20,14 @@ class SmallVector {
   SmallVector& operator=(const SmallVector&) = delete;
 
   bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
   T* begin() { return elements_; }
   T* end() { return elements_ + size_; }
+  T& front() { return elements_[0]; }
   T& back() { return elements_[size_ - 1]; }
   void pop_back() { --size_; }
+  /// Keeps the first `size`, which is not larger than the present one.
+  void truncate(std::size_t size) { size_ = size; }
   void push_back(const T& element) {
     if (size_ == capacity_) grow();
     elements_[size_++] = element;
