@@ -4,20 +4,21 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <iterator>
 #include <ranges>
 #include <type_traits>
 
-#include <kerf/vec.hpp>
+#include <kerf/error.hpp>
+#include <kerf/triples.hpp>
 
 namespace kerf {
 
 /// A view of triples of `Scalar` (three floats, three indices) at a constant distance in bytes. Nothing is
-/// copied.
+/// copied, and the memory must outlive the view.
 ///
-/// Made from any contiguous range: of scalars (`std::vector<float>`, three after three), or of a struct or an
-/// array whose first three scalars are the triple (`std::array<float, 3>`, `glm::vec3`, a vertex with a
-/// normal behind its position).
+/// Made from a contiguous range of scalars (`std::vector<float>`, three after three); of triples (arrays of
+/// three, `glm::vec3`, `Eigen::Vector3f`) or of structs that begin with one (a vertex with a normal behind
+/// its position); from a matrix of Eigen with a triple in each row and row-major, or in each column and
+/// column-major; or from an address. What would be read as something else does not compile.
 template <class Scalar>
 class TripleView {
  public:
@@ -28,33 +29,61 @@ class TripleView {
 
   constexpr TripleView() = default;
 
-  /// `count` triples, the first at `data`, each `stride` bytes after the one before.
-  TripleView(const void* data, std::size_t count, std::size_t stride = 3 * sizeof(Scalar))
-      : data_(static_cast<const std::byte*>(data)), count_(count), stride_(stride) {}
-
-  /// The triples of a contiguous range, whose memory must outlive the view. The element's type decides how
-  /// the range is read, see above.
-  template <std::ranges::contiguous_range Range>
-  requires(!std::is_same_v<std::remove_cvref_t<Range>, TripleView>)
-      TripleView(Range&& range)  // NOLINT: implicit, as for std::span
-      : data_(reinterpret_cast<const std::byte*>(std::ranges::data(range))) {
-    using Value = std::ranges::range_value_t<Range>;
-    if constexpr (std::is_arithmetic_v<Value>) {
-      static_assert(
-          std::is_same_v<std::make_unsigned_t<std::conditional_t<std::is_integral_v<Value>, Value, int>>,
-                         std::conditional_t<std::is_integral_v<Scalar>, Scalar, unsigned>> &&
-              std::is_floating_point_v<Value> == std::is_floating_point_v<Scalar> &&
-              sizeof(Value) == sizeof(Scalar),
-          "a flat range must hold scalars of the view's own type");
-      count_ = std::ranges::size(range) / 3;
-      stride_ = 3 * sizeof(Scalar);
+  /// The triples of a range or a matrix, see above. Throws `Error::invalid_argument` for a flat range whose
+  /// size is no multiple of three.
+  template <class Range>
+  requires(!std::same_as<std::remove_cvref_t<Range>, TripleView> && TriplesOf<Range, Scalar> &&
+           (std::is_lvalue_reference_v<Range> || std::ranges::borrowed_range<Range>))
+      TripleView(Range&& range) {  // NOLINT: implicit, as for std::span
+    if constexpr (triples::Matrix<std::remove_cvref_t<Range>>) {
+      if (range.innerStride() != 1) refuse("the scalars of a triple do not lie beside each other");
+      *this =
+          TripleView(range.data(), static_cast<std::size_t>(range.IsRowMajor ? range.rows() : range.cols()),
+                     static_cast<std::size_t>(range.outerStride()) * sizeof(Scalar));
+    } else if constexpr (triples::Flat<Range, Scalar>) {
+      if (std::ranges::size(range) % 3 != 0) refuse("the size of a flat range is no multiple of three");
+      *this = TripleView(std::ranges::data(range), std::ranges::size(range) / 3);
     } else {
-      static_assert(std::is_trivially_copyable_v<Value> && sizeof(Value) >= 3 * sizeof(Scalar),
-                    "an element must begin with three scalars");
-      count_ = std::ranges::size(range);
-      stride_ = sizeof(Value);
+      *this = TripleView(std::ranges::data(range), std::ranges::size(range));
     }
   }
+
+  /// `count` triples from the address of the first scalar on, each `stride` bytes after the one before.
+  template <ScalarOf<Scalar> T>
+  TripleView(const T* data, std::size_t count, std::size_t stride = 3 * sizeof(Scalar))
+      : data_(reinterpret_cast<const std::byte*>(data)), count_(count), stride_(stride) {}
+
+  /// The triples with which `count` objects begin, each `stride` bytes after the one before.
+  template <TripleOf<Scalar> T>
+  TripleView(const T* data, std::size_t count, std::size_t stride = sizeof(T))
+      : data_(reinterpret_cast<const std::byte*>(data)), count_(count), stride_(stride) {
+    if (count != 0) data_ += triples::offset<T, Scalar>();
+  }
+
+  /// `count` triples in memory whose type is not known: nothing checks that they are of `Scalar`.
+  template <triples::RawMemory T>
+  TripleView(const T* data, std::size_t count, std::size_t stride)
+      : data_(reinterpret_cast<const std::byte*>(data)), count_(count), stride_(stride) {}
+
+  /// @cond
+  // What does not compile, in lines that compilers show with the remedy at their end.
+  // clang-format off
+  template <class R> requires(triples::Temporary<R, TripleView>)
+  TripleView(R&&) = delete;  // a temporary: it dies before the view is read, so keep it in a variable
+
+  template <class R> requires(triples::Refused<R, Scalar, TripleView> && TriplesOf<R, triples::Wider<Scalar>>)
+  TripleView(R&&) = delete;  // doubles or 64-bit indices: copy them to floats or 32-bit indices
+
+  template <class R> requires(triples::Refused<R, Scalar, TripleView> && triples::Matrix<std::remove_cvref_t<R>> && !TriplesOf<R, triples::Wider<Scalar>>)
+  TripleView(R&&) = delete;  // a matrix: it needs a triple per row and RowMajor, or a triple per column and ColMajor
+
+  template <class R> requires(triples::Refused<R, Scalar, TripleView> && !triples::Matrix<std::remove_cvref_t<R>> && !TriplesOf<R, triples::Wider<Scalar>>)
+  TripleView(R&&) = delete;  // not three floats, or three 32-bit indices: copy them, or give address, count and stride
+
+  template <class T> requires(!ScalarOf<T, Scalar> && !TripleOf<T, Scalar> && !triples::RawMemory<T>)
+  TripleView(const T*, std::size_t, std::size_t = 0) = delete;  // an address of what is not floats, or 32-bit indices: copy them
+  // clang-format on
+  /// @endcond
 
   std::size_t size() const { return count_; }      ///< number of triples
   std::size_t stride() const { return stride_; }   ///< bytes from one triple to the next
@@ -68,6 +97,8 @@ class TripleView {
   }
 
  private:
+  [[noreturn]] static void refuse(const char* why) { throw Error(Error::invalid_argument, why); }
+
   const std::byte* data_ = nullptr;
   std::size_t count_ = 0;
   std::size_t stride_ = 3 * sizeof(Scalar);

@@ -28,7 +28,7 @@ struct Soup {
     for (std::uint32_t i = 0; i < indices.size(); ++i) indices[i] = i;
   }
   kerf::TriangleMesh mesh() const {
-    return {.vertices = kerf::TripleView<float>(triangles.data(), 3 * triangles.size()),
+    return {.vertices = {reinterpret_cast<const Vec3f*>(triangles.data()), 3 * triangles.size()},
             .triangles = indices};
   }
 };
