@@ -58,6 +58,9 @@ std::size_t Tree::triangles() const {
 std::size_t Tree::degenerate_triangles() const {
   return TreeContent::of(*this).tree.degenerate_triangles;
 }
+std::size_t Tree::non_finite_triangles() const {
+  return TreeContent::of(*this).tree.non_finite_triangles;
+}
 PrimitiveId Tree::locate(std::uint32_t id) const {
   return TreeContent::of(*this).geometry.locate(id);
 }

@@ -20,6 +20,12 @@ enum class Builder {
   evh,   ///< edge volume heuristic (Dammertz & Keller 2008), for comparison
 };
 
+/// What becomes of triangles with a vertex that is not a number, infinite, or 2^126 and more.
+enum class NonFinite {
+  refuse,  ///< the build throws `Error::non_finite_vertex`, which names the first
+  skip,    ///< they are left out and counted; the numbers of the others stay what they are
+};
+
 /// How to build. The defaults suit most uses.
 struct BuildOptions {
   Builder builder = Builder::sbvh;  ///< which hierarchy
@@ -41,6 +47,9 @@ struct BuildOptions {
   /// same for any number.
   unsigned threads = 0;
 
+  /// What becomes of triangles with vertices that are not finite.
+  NonFinite non_finite = NonFinite::refuse;
+
   /// For `esc` and `evh` only: the maximum number of references that splitting before the build makes. The
   /// threshold that comes nearest without exceeding it is found by bisection. 0 stands for
   /// `max_reference_ratio` per triangle.
@@ -51,9 +60,10 @@ struct BuildOptions {
   std::function<bool(float)> progress = {};
 };
 
-/// Builds the hierarchy of one mesh. Only degenerate triangles, which have no area, are left out; they are
-/// counted. Throws `Error`: `invalid_argument`, `non_finite_vertex`, `index_out_of_range`, `too_large`,
-/// `out_of_memory`, `cancelled`. The mesh may be freed as soon as this returns.
+/// Builds the hierarchy of one mesh. Degenerate triangles, which have no area, are left out, and so are those
+/// that `BuildOptions::non_finite` says to skip; both are counted. Throws `Error`: `invalid_argument`,
+/// `non_finite_vertex`, `index_out_of_range`, `too_large`, `out_of_memory`, `cancelled`. The mesh may be
+/// freed as soon as this returns.
 KERF_API Bvh build(const TriangleMesh& mesh, const BuildOptions& options = {});
 
 /// Builds one hierarchy over several meshes. Hits name a mesh by its place in `meshes`.

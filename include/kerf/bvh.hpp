@@ -25,6 +25,7 @@ namespace kerf {
 struct BvhStatistics {
   std::size_t triangles = 0;             ///< in the meshes given
   std::size_t degenerate_triangles = 0;  ///< of these, left out because they have no area
+  std::size_t non_finite_triangles = 0;  ///< left out by `NonFinite::skip`
   std::size_t references = 0;            ///< triangles in leaves, each counted once per leaf
   std::size_t nodes = 0;                 ///< inner nodes and leaves of the structure that is traced
   std::size_t bytes = 0;                 ///< of the structure that is traced, triangles included

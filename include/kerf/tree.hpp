@@ -49,6 +49,7 @@ class KERF_API Tree {
 
   std::size_t triangles() const;             ///< in the meshes given
   std::size_t degenerate_triangles() const;  ///< of these, left out because they have no area
+  std::size_t non_finite_triangles() const;  ///< left out by `NonFinite::skip`
 
   /// The place in the meshes of the triangle with number `id`.
   PrimitiveId locate(std::uint32_t id) const;

@@ -58,32 +58,35 @@ std::vector<Block> blocks_of(const Geometry& geometry) {
 
 }  // namespace
 
-ReferenceSummary write_references(const Geometry& geometry, Reference* references) {
+ReferenceSummary write_references(const Geometry& geometry, NonFinite non_finite, Reference* references) {
   std::vector<Block> blocks = blocks_of(geometry);
   const Target target = choose_target();
   parallel_for(blocks.size(), [&](std::size_t i) {
-    blocks[i].read = read_triangles(target, geometry, blocks[i].row, references + blocks[i].row.first_id);
+    const TriangleRow& row = blocks[i].row;
+    blocks[i].read = read_triangles(target, geometry, row, non_finite, references + row.first_id);
   });
   ReferenceSummary summary;
   for (const auto& [row, read] : blocks) {
     if (read.wrong != ReadTriangles::nothing_wrong) explain(geometry, read.wrong);
-    if (summary.count != row.first_id) {  // earlier blocks had degenerate triangles
+    if (summary.count != row.first_id) {  // earlier blocks left triangles out
       std::copy_n(references + row.first_id, read.count, references + summary.count);
     }
     summary.count += read.count;
+    summary.non_finite_triangles += read.non_finite;
     summary.box = merge(summary.box, read.box);
     summary.doubled_centroids = merge(summary.doubled_centroids, read.doubled_centroids);
   }
-  summary.degenerate_triangles = geometry.triangle_count() - summary.count;
+  summary.degenerate_triangles = geometry.triangle_count() - summary.count - summary.non_finite_triangles;
   return summary;
 }
 
-Input make_references(const Geometry& geometry) {
+Input make_references(const Geometry& geometry, NonFinite non_finite) {
   Input input;
   input.references.resize(geometry.triangle_count());
-  const ReferenceSummary summary = write_references(geometry, input.references.data());
+  const ReferenceSummary summary = write_references(geometry, non_finite, input.references.data());
   input.references.resize(summary.count);
   input.degenerate_triangles = summary.degenerate_triangles;
+  input.non_finite_triangles = summary.non_finite_triangles;
   return input;
 }
 

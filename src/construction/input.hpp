@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <kerf/build.hpp>
+
 #include "tree/geometry.hpp"
 #include "tree/reference.hpp"
 
@@ -12,23 +14,23 @@ namespace kerf {
 
 struct ReferenceSummary {
   std::uint32_t count = 0;
-  std::size_t degenerate_triangles = 0;
+  std::size_t degenerate_triangles = 0, non_finite_triangles = 0;
   Box3f box;
   Box3f doubled_centroids;  ///< bounds of lower plus upper corner of each reference
 };
 
 /// Writes one reference for each triangle of `geometry` that has an area to `references`, in the order of
 /// their numbers, on all threads of the task arena that this is called in. There must be room for
-/// `triangle_count()` references. Throws `Error::index_out_of_range` or `Error::non_finite_vertex`, which
-/// name the first triangle that is wrong.
-ReferenceSummary write_references(const Geometry& geometry, Reference* references);
+/// `triangle_count()` references. Throws `Error::index_out_of_range` or, unless they are to be skipped,
+/// `Error::non_finite_vertex`, which name the first triangle that is wrong.
+ReferenceSummary write_references(const Geometry& geometry, NonFinite non_finite, Reference* references);
 
 struct Input {
   std::vector<Reference> references;
-  std::size_t degenerate_triangles = 0;
+  std::size_t degenerate_triangles = 0, non_finite_triangles = 0;
 };
 
 /// The same into a vector of its own.
-Input make_references(const Geometry& geometry);
+Input make_references(const Geometry& geometry, NonFinite non_finite = NonFinite::refuse);
 
 }  // namespace kerf

@@ -19,6 +19,10 @@ void check_options(const BuildOptions& options) {
     raise(Error::invalid_argument, "max_leaf_size is %u, but must be from 1 to %u", options.max_leaf_size,
           max_leaf_triangles);
   }
+  if (options.non_finite != NonFinite::refuse && options.non_finite != NonFinite::skip) {
+    raise(Error::invalid_argument, "non_finite is %d, which means nothing",
+          static_cast<int>(options.non_finite));
+  }
   if (find_builder(options.builder) == nullptr) {
     raise(Error::invalid_argument, "builder is %d, which names none", static_cast<int>(options.builder));
   }

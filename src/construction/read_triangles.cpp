@@ -35,7 +35,8 @@ HWY_INLINE bool has_area(Float4 a, Float4 b, Float4 c) {
   return !hn::AllFalse(f32x4, hn::And(is_more, hn::FirstN(f32x4, 3)));
 }
 
-ReadTriangles read_triangles(const Geometry& geometry, const TriangleRow& row, Reference* references) {
+ReadTriangles read_triangles(const Geometry& geometry, const TriangleRow& row, NonFinite non_finite,
+                             Reference* references) {
   // Local copies: the compiler knows that stores to references do not change them.
   const TripleView<std::uint32_t> triangles = geometry.meshes()[row.mesh].triangles;
   const TripleView<float> vertices = geometry.meshes()[row.mesh].vertices;
@@ -43,7 +44,7 @@ ReadTriangles read_triangles(const Geometry& geometry, const TriangleRow& row, R
   const Float4 limit = hn::Set(f32x4, coordinate_limit);
   const Float4 corner_mask = hn::Load(f32x4, reinterpret_cast<const float*>(corner_lanes));
   SimdBox all = empty_box(), centroids = all;
-  std::uint32_t i = row.begin, count = 0;
+  std::uint32_t i = row.begin, count = 0, skipped = 0;
   for (; i < end; ++i) {
     const auto [i0, i1, i2] = triangles[i].values;
     if (HWY_MAX(HWY_MAX(i0, i1), i2) >= vertices.size()) break;
@@ -52,7 +53,11 @@ ReadTriangles read_triangles(const Geometry& geometry, const TriangleRow& row, R
                  c = hn::And(load_corner(vertices, i2), corner_mask);
     const auto are_small =
         hn::And(hn::And(hn::Lt(hn::Abs(a), limit), hn::Lt(hn::Abs(b), limit)), hn::Lt(hn::Abs(c), limit));
-    if (!hn::AllTrue(f32x4, are_small)) break;
+    if (!hn::AllTrue(f32x4, are_small)) {
+      if (non_finite == NonFinite::refuse) break;
+      ++skipped;
+      continue;
+    }
     if (!has_area(a, b, c) && is_degenerate(geometry.triangle_of(row.mesh, i))) continue;
     const SimdBox box = from_halves(hn::Min(hn::Min(a, b), c), hn::Neg(hn::Max(hn::Max(a, b), c)));
     all = merge(all, box);
@@ -61,6 +66,7 @@ ReadTriangles read_triangles(const Geometry& geometry, const TriangleRow& row, R
   }
   ReadTriangles read;
   read.count = count;
+  read.non_finite = skipped;
   if (i < end) read.wrong = id_offset + i;
   if (count != 0) {
     read.box = to_box3f(all);
@@ -80,8 +86,8 @@ namespace kerf {
 HWY_EXPORT(read_triangles);
 
 ReadTriangles read_triangles(Target target, const Geometry& geometry, const TriangleRow& row,
-                             Reference* references) {
-  return KERF_DISPATCH(read_triangles, target)(geometry, row, references);
+                             NonFinite non_finite, Reference* references) {
+  return KERF_DISPATCH(read_triangles, target)(geometry, row, non_finite, references);
 }
 
 }  // namespace kerf

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include <kerf/build.hpp>
+
 #include "simd/dispatch.hpp"
 #include "tree/geometry.hpp"
 #include "tree/reference.hpp"
@@ -21,13 +23,14 @@ struct ReadTriangles {
   static constexpr std::uint32_t nothing_wrong = 0xffffffffu;
 
   std::uint32_t count = 0;              ///< of references written
+  std::uint32_t non_finite = 0;         ///< number of triangles skipped because a coordinate is too large
   std::uint32_t wrong = nothing_wrong;  ///< number of the first triangle that is refused; reading stops there
   Box3f box, doubled_centroids;         ///< of the references, as in `NodeInput`
 };
 
 /// Writes a reference for each triangle of the row that has an area. Stops at one with an index that names no
-/// vertex, or with a coordinate that is not below `coordinate_limit`.
+/// vertex, and stops at or skips one with a coordinate that is not below `coordinate_limit`.
 ReadTriangles read_triangles(Target target, const Geometry& geometry, const TriangleRow& row,
-                             Reference* references);
+                             NonFinite non_finite, Reference* references);
 
 }  // namespace kerf

@@ -22,6 +22,7 @@ struct BinaryTree {
   UninitializedVector<std::uint32_t>
       references;                        ///< the triangles of the leaves, by their number in the `Geometry`
   std::size_t degenerate_triangles = 0;  ///< left out by the builder
+  std::size_t non_finite_triangles = 0;  ///< left out, too, see `BuildOptions::non_finite`
 
   /// Triangles were divided only in nodes of at least this many references: below a node of fewer, no
   /// triangle has two references. 0 where this is not known.

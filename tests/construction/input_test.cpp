@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <kerf/inspect.hpp>
 #include <kerf/kerf.hpp>
 
 #include "math/triangle.hpp"
@@ -46,6 +47,58 @@ TEST(Input, NamesTheVertexThatIsNotFinite) {
     EXPECT_EQ(failure.code, Error::non_finite_vertex);
     EXPECT_NE(failure.sentence.find("vertex 17"), std::string::npos) << failure.sentence;
   }
+}
+
+// Every tenth triangle has a vertex that is not finite, or so large that it is refused by default.
+Mesh with_bad_vertices(std::uint32_t triangles) {
+  Mesh mesh = kerf_tests::random_triangles(triangles, 0.2f, 0.2f);
+  const float bad[] = {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity(),
+                       0x1p126f};
+  for (std::size_t i = 0; i < triangles; i += 10) mesh.vertices[3 * i + i % 3].y = bad[i / 10 % 3];
+  return mesh;
+}
+
+TEST(Input, SkippedTrianglesAreCountedAndTheOthersKeepTheirNumbers) {
+  constexpr std::uint32_t triangles = 20'000;  // several blocks
+  const Mesh mesh = with_bad_vertices(triangles);
+  Mesh good = mesh;  // a degenerate triangle in the place of each bad one
+  for (std::size_t i = 0; i < triangles; i += 10) good.triangles[i] = {1, 1, 1};
+  kerf_tests::for_each_target([&](const kerf::Target&) {
+    const kerf::Bvh bvh = kerf::build(mesh.mesh(), {.non_finite = kerf::NonFinite::skip});
+    EXPECT_EQ(bvh.statistics().triangles, triangles);
+    EXPECT_EQ(bvh.statistics().non_finite_triangles, triangles / 10);
+    EXPECT_EQ(bvh.statistics().degenerate_triangles, 0u);
+    const kerf::Bvh other = kerf::build(good.mesh());
+    EXPECT_EQ(other.statistics().non_finite_triangles, 0u);
+    EXPECT_EQ(bvh.bounds(), other.bounds());
+    EXPECT_EQ(bvh.triangles_in(bvh.bounds()), other.triangles_in(bvh.bounds()));
+    EXPECT_EQ(bvh.statistics().references, other.statistics().references);
+  });
+}
+
+TEST(Input, EveryBuilderSkipsTriangles) {
+  const Mesh mesh = with_bad_vertices(200);
+  for (const kerf::BuilderInfo& builder : kerf::builders()) {
+    const kerf::BuildOptions options{.builder = builder.builder, .non_finite = kerf::NonFinite::skip};
+    const kerf::Bvh bvh = kerf::build(mesh.mesh(), options);
+    EXPECT_EQ(bvh.statistics().non_finite_triangles, 20u) << builder.name;
+    EXPECT_EQ(bvh.triangles_in(bvh.bounds()).size(), 180u) << builder.name;
+    EXPECT_EQ(kerf::build_tree(mesh.mesh(), options).non_finite_triangles(), 20u) << builder.name;
+  }
+}
+
+TEST(Input, SkippingLeavesNothingOfAMeshWithoutAFiniteTriangle) {
+  Mesh mesh = one_triangle(1.0f);
+  mesh.vertices[1].z = std::numeric_limits<float>::infinity();
+  const kerf::Bvh bvh = kerf::build(mesh.mesh(), {.non_finite = kerf::NonFinite::skip});
+  EXPECT_EQ(bvh.statistics().nodes, 0u);
+  EXPECT_EQ(bvh.statistics().non_finite_triangles, 1u);
+}
+
+TEST(Input, AnIndexThatIsOutOfRangeIsNotSkipped) {
+  Mesh mesh = one_triangle(1.0f);
+  mesh.triangles[0][2] = 3;
+  EXPECT_THROW(kerf::build(mesh.mesh(), {.non_finite = kerf::NonFinite::skip}), Error);
 }
 
 TEST(Input, IgnoresAVertexThatNoTriangleUses) {

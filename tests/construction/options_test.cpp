@@ -28,6 +28,7 @@ TEST(Options, OutOfTheirRangesAreRefused) {
     EXPECT_EQ(code_of({.max_reference_ratio = ratio}), Error::invalid_argument);
   for (const std::uint32_t size : {0u, 9u})
     EXPECT_EQ(code_of({.max_leaf_size = size}), Error::invalid_argument);
+  EXPECT_EQ(code_of({.non_finite = static_cast<NonFinite>(2)}), Error::invalid_argument);
   EXPECT_EQ(code_of({.builder = static_cast<Builder>(99)}), Error::invalid_argument);
 }
 

@@ -179,7 +179,7 @@ BinaryTree construct_split_tree(const Geometry& geometry, const BuildOptions& op
   }
   const AlignedArray<Reference> arena(room);
   return on_threads(options.threads, [&]() -> BinaryTree {
-    const ReferenceSummary input = write_references(geometry, arena.data());
+    const ReferenceSummary input = write_references(geometry, options.non_finite, arena.data());
     BinaryTree tree;
     if (input.count != 0) {
       const float root_area = half_area(input.box);
@@ -198,6 +198,7 @@ BinaryTree construct_split_tree(const Geometry& geometry, const BuildOptions& op
       tree.min_divided_count = context.geometry == nullptr ? ~std::uint32_t{0} : context.min_spatial_count;
     }
     tree.degenerate_triangles = input.degenerate_triangles;
+    tree.non_finite_triangles = input.non_finite_triangles;
     return tree;
   });
 }
