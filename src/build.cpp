@@ -18,6 +18,16 @@
 #include "traversal/dispatch.hpp"
 
 namespace kerf {
+namespace {
+
+// Below this every stage of a build is one task, and the scheduler would only cost its entry and exit.
+constexpr std::size_t max_triangles_of_one_task = 2048;
+
+bool is_one_task(const Geometry& geometry, const BuildOptions& options) {
+  return geometry.triangle_count() <= max_triangles_of_one_task && options.presplit_references == 0;
+}
+
+}  // namespace
 
 std::shared_ptr<Structure> lay_out_tree(const Geometry& geometry, const BinaryTree& tree, unsigned threads) {
   LaidOut laid_out =
@@ -35,13 +45,14 @@ Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
   const PlainFloatingPoint plain;
   const auto start = std::chrono::steady_clock::now();
   return report_out_of_memory([&] {
-    return isolated([&] {
-      const Geometry geometry(meshes);
+    const Geometry geometry(meshes);
+    const auto from_end_to_end = [&] {
       const auto structure = lay_out_tree(geometry, construct(geometry, options), options.threads);
       structure->statistics.build_seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       return Structure::share(structure);
-    });
+    };
+    return is_one_task(geometry, options) ? on_this_thread(from_end_to_end) : isolated(from_end_to_end);
   });
 }
 

@@ -10,28 +10,35 @@
 
 namespace kerf {
 
-/// Memory aligned to a cache line. From the size of a huge page on it is aligned to huge pages, which the
-/// system is asked for: a random access then costs no walk of the page table, and new memory comes 512 pages
-/// at a time, which takes a tenth as long (docs/decisions/0040). Throws `std::bad_alloc`.
+/// Memory aligned to a cache line, or as asked for. From the size of a huge page on it is aligned to huge
+/// pages, which the system is asked for: a random access then costs no walk of the page table, and new memory
+/// comes 512 pages at a time, which takes a tenth as long (docs/decisions/0040). Throws `std::bad_alloc`.
 class LargeMemory {
   static constexpr std::size_t cache_line = 64;
   static constexpr std::size_t huge_page = std::size_t{1} << 21;
 
-  static constexpr std::align_val_t alignment(std::size_t bytes) {
-    return std::align_val_t{bytes >= huge_page ? huge_page : cache_line};
+  // Small pieces for which any alignment is good enough come the plain way, which takes half as long.
+  static constexpr std::size_t small = std::size_t{1} << 13;
+  static constexpr bool is_plain(std::size_t bytes, std::size_t alignment) {
+    return bytes < small && alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+  }
+  static constexpr std::align_val_t aligned(std::size_t bytes, std::size_t alignment) {
+    return std::align_val_t{bytes >= huge_page ? huge_page : alignment < cache_line ? cache_line : alignment};
   }
 
  public:
-  static void* take(std::size_t bytes) {
-    void* const memory = ::operator new(bytes, alignment(bytes));
+  static void* take(std::size_t bytes, std::size_t alignment = cache_line) {
+    if (is_plain(bytes, alignment)) return ::operator new(bytes);
+    void* const memory = ::operator new(bytes, aligned(bytes, alignment));
 #ifdef __linux__
     if (bytes >= huge_page) madvise(memory, bytes, MADV_HUGEPAGE);  // a hint: no harm if refused
 #endif
     return memory;
   }
 
-  static void give_back(void* memory, std::size_t bytes) {
-    ::operator delete(memory, alignment(bytes));
+  static void give_back(void* memory, std::size_t bytes, std::size_t alignment = cache_line) {
+    if (is_plain(bytes, alignment)) return ::operator delete(memory);
+    ::operator delete(memory, aligned(bytes, alignment));
   }
 };
 

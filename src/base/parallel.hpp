@@ -45,10 +45,21 @@ inline int usable_threads(unsigned wanted) {
   return static_cast<int>(wanted == 0 ? available : std::min(wanted, available));
 }
 
-#ifdef KERF_STANDARD_THREADS
-
 /// True while the work of this thread is to run on this thread only.
 inline thread_local bool one_thread_only = false;
+
+/// Calls `work` and returns what it returns. Loops in it stay on this thread and never enter the scheduler.
+template <class Work>
+auto on_this_thread(const Work& work) {
+  struct Restore {
+    bool before = one_thread_only;
+    ~Restore() { one_thread_only = before; }
+  } restore;
+  one_thread_only = true;
+  return work();
+}
+
+#ifdef KERF_STANDARD_THREADS
 
 /// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`.
 template <class Index, class Body>
@@ -114,11 +125,7 @@ auto isolated(const Work& work) {
 /// Calls `work` on `wanted` threads, 0 for all, and returns what it returns.
 template <class Work>
 auto on_threads(unsigned wanted, const Work& work) {
-  struct Restore {
-    bool before = one_thread_only;
-    ~Restore() { one_thread_only = before; }
-  } restore;
-  one_thread_only = usable_threads(wanted) == 1;
+  if (usable_threads(wanted) == 1) return on_this_thread(work);
   return work();
 }
 
@@ -127,6 +134,15 @@ auto on_threads(unsigned wanted, const Work& work) {
 /// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`.
 template <class Index, class Body>
 void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& body) {
+  if (one_thread_only) {
+    const PlainFloatingPoint plain;
+    for (Index at = begin; at < end;) {
+      const Index next = static_cast<std::size_t>(end - at) > grain ? static_cast<Index>(at + grain) : end;
+      body(tbb::blocked_range<Index>(at, next));
+      at = next;
+    }
+    return;
+  }
   tbb::parallel_for(tbb::blocked_range<Index>(begin, end, grain),
                     [&](const tbb::blocked_range<Index>& range) {
                       const PlainFloatingPoint plain;
@@ -137,28 +153,49 @@ void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& 
 /// Calls `body(i)` for every i of `0 .. count - 1`.
 template <class Index, class Body>
 void parallel_for(Index count, const Body& body) {
+  if (one_thread_only || count <= 1) {
+    const PlainFloatingPoint plain;
+    for (Index i = 0; i < count; ++i) body(i);
+    return;
+  }
   tbb::parallel_for(Index{0}, count, [&](Index i) {
     const PlainFloatingPoint plain;
     body(i);
   });
 }
 
+/// As `tbb::parallel_deterministic_reduce` divides a range and adds up, on this thread.
+template <class Range, class Sum, class Body>
+Sum sum_in_halves(Range left, const Sum& zero, const Body& body) {
+  if (!left.is_divisible()) return body(left, zero);
+  const Range right(left, tbb::split());  // takes the upper half of `left`
+  const Sum lower = sum_in_halves(left, zero, body);
+  return lower + sum_in_halves(right, zero, body);
+}
+
 /// The sum of `body(range)` over ranges of `0 .. count - 1`, which are divided and added up in the same way
 /// on any number of threads.
 template <class Sum, class Index, class Body>
 Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
-  return tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<Index>(0, count, grain), Sum{},
-      [&](const tbb::blocked_range<Index>& range, const Sum& sum) {
-        const PlainFloatingPoint plain;
-        return sum + body(range);
-      },
-      [](const Sum& a, const Sum& b) { return a + b; });
+  const auto of_range = [&](const tbb::blocked_range<Index>& range, const Sum& sum) {
+    const PlainFloatingPoint plain;
+    return sum + body(range);
+  };
+  const tbb::blocked_range<Index> all(0, count, grain);
+  if (one_thread_only) return sum_in_halves(all, Sum{}, of_range);
+  return tbb::parallel_deterministic_reduce(all, Sum{}, of_range,
+                                            [](const Sum& a, const Sum& b) { return a + b; });
 }
 
 /// Calls both, possibly at the same time.
 template <class First, class Second>
 void parallel_invoke(const First& first, const Second& second) {
+  if (one_thread_only) {
+    const PlainFloatingPoint plain;
+    first();
+    second();
+    return;
+  }
   const auto plainly = [](const auto& call) {
     return [&call] {
       const PlainFloatingPoint plain;
@@ -173,15 +210,19 @@ void parallel_invoke(const First& first, const Second& second) {
 /// called, on the same thread, with the same thread-local data and locks.
 template <class Work>
 auto isolated(const Work& work) {
+  if (one_thread_only) return work();
   return tbb::this_task_arena::isolate(work);
 }
 
 /// Calls `work` on `wanted` threads and returns what it returns; 0 stands for the threads of the caller's
 /// arena. If that has as many as are wanted, `work` runs in it: entering another arena takes 70 microseconds.
+/// One thread needs no arena at all.
 template <class Work>
 auto on_threads(unsigned wanted, const Work& work) {
+  if (wanted == 0 || one_thread_only) return isolated(work);
   const int threads = usable_threads(wanted);
-  if (wanted == 0 || tbb::this_task_arena::max_concurrency() == threads) return isolated(work);
+  if (threads == 1) return on_this_thread(work);
+  if (tbb::this_task_arena::max_concurrency() == threads) return isolated(work);
   tbb::task_arena arena(threads);
   return arena.execute(work);
 }

@@ -22,9 +22,9 @@ struct UninitializedAllocator {
   template <class U>
   UninitializedAllocator(const UninitializedAllocator<U>&) {}
 
-  T* allocate(std::size_t count) { return static_cast<T*>(LargeMemory::take(count * sizeof(T))); }
+  T* allocate(std::size_t count) { return static_cast<T*>(LargeMemory::take(count * sizeof(T), alignof(T))); }
   void deallocate(T* memory, std::size_t count) noexcept {
-    LargeMemory::give_back(memory, count * sizeof(T));
+    LargeMemory::give_back(memory, count * sizeof(T), alignof(T));
   }
 
   template <class U>

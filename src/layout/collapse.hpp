@@ -7,7 +7,7 @@
 
 #include <hwy/cache_control.h>
 
-#include "base/aligned_array.hpp"
+#include "base/uninitialized.hpp"
 #include "layout/wide_bvh.hpp"
 #include "simd/dispatch.hpp"
 #include "tree/binary_tree.hpp"
@@ -98,7 +98,7 @@ class Collapse {
   CollapseCosts costs_;
   void (*distribute_)(const float* left, std::int32_t max_share, const float* right, Distribution& to);
   std::uint32_t width_;
-  AlignedArray<std::uint64_t> decisions_;
+  UninitializedVector<std::uint64_t> decisions_;
 };
 
 }  // namespace kerf

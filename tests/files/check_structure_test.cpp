@@ -39,6 +39,7 @@ struct Sections {
     header.meshes = static_cast<std::uint32_t>(first_triangles.size() - 1);
     header.nodes = static_cast<std::uint32_t>(nodes.size());
     header.leaf_words = leaves.size();
+    header.file_bytes = 0;  // without an annex
     const FileLayout layout(header);
     header.file_bytes = layout.file_bytes;
     std::vector<std::byte> image(layout.file_bytes);

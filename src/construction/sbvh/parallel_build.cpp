@@ -7,10 +7,10 @@
 #include <memory>
 #include <new>
 
-#include "base/aligned_array.hpp"
 #include "base/parallel.hpp"
 #include "base/raise.hpp"
 #include "base/scratch_pool.hpp"
+#include "base/uninitialized.hpp"
 #include "construction/input.hpp"
 #include "construction/progress.hpp"
 #include "construction/sbvh/finished_subtree.hpp"
@@ -24,13 +24,24 @@ namespace {
 // next to nothing.
 constexpr std::uint32_t task_capacity = 4096;
 
-// Where a task builds a subtree before it is stored. A subtree of n references has at most 2n - 1 nodes.
+// Where a task builds a subtree of at most `capacity` references before it is stored. A subtree of n
+// references has at most 2n - 1 nodes. Not initialised: that would take longer than the build of a small
+// mesh.
 struct Scratch {
-  std::unique_ptr<BinaryNode[]> nodes{new BinaryNode[2 * task_capacity]};
-  std::unique_ptr<std::uint32_t[]> references{new std::uint32_t[task_capacity]};
+  UninitializedVector<BinaryNode> nodes;
+  UninitializedVector<std::uint32_t> references;
 
-  static constexpr std::size_t bytes = task_capacity * (2 * sizeof(BinaryNode) + sizeof(std::uint32_t));
+  explicit Scratch(std::size_t capacity) : nodes(2 * capacity), references(capacity) {}
+
+  static constexpr std::size_t bytes(std::size_t capacity) {
+    return capacity * (2 * sizeof(BinaryNode) + sizeof(std::uint32_t));
+  }
 };
+
+// The most references that a task builds from, in a build with room for so many.
+std::size_t scratch_capacity(std::size_t references) {
+  return std::min<std::size_t>(references, task_capacity);
+}
 
 // A node above the tasks, or the subtree that one task built.
 struct TopNode {
@@ -42,8 +53,12 @@ struct TopNode {
 
 class ParallelBuilder {
  public:
-  ParallelBuilder(const BuildContext& context, const BuildOptions& options, std::uint32_t count)
-      : context_(context), progress_(options.progress, count) {}
+  // For at most `references` references, of which there are `count` to begin with.
+  ParallelBuilder(const BuildContext& context, const BuildOptions& options, std::uint32_t count,
+                  std::size_t references)
+      : context_(context),
+        progress_(options.progress, count),
+        scratch_capacity_(scratch_capacity(references)) {}
 
   BinaryTree build(const NodeInput& root, std::size_t arena_bytes) {
     TopNode top;
@@ -51,7 +66,7 @@ class ParallelBuilder {
     {
       ScratchPool<Scratch> scratch;
       build_below(top, root, scratch);
-      scratch_bytes = scratch.size() * Scratch::bytes;
+      scratch_bytes = scratch.size() * Scratch::bytes(scratch_capacity_);
     }
     BinaryTree tree;
     const std::size_t assembly_bytes = assemble(top, tree);
@@ -77,9 +92,9 @@ class ParallelBuilder {
 
   // The subtree overwrites the references that it was built from: nothing reads these any more.
   void build_in_one_task(TopNode& top, const NodeInput& node, ScratchPool<Scratch>& pool) {
-    const auto scratch = pool.borrow([] { return Scratch(); });
-    top.size = build_subtree(context_, node, scratch->nodes.get(), scratch->references.get());
-    top.subtree = FinishedSubtree(top.size, scratch->nodes.get(), scratch->references.get(),
+    const auto scratch = pool.borrow([this] { return Scratch(scratch_capacity_); });
+    top.size = build_subtree(context_, node, scratch->nodes.data(), scratch->references.data());
+    top.subtree = FinishedSubtree(top.size, scratch->nodes.data(), scratch->references.data(),
                                   context_.arena + node.range.begin, node.range.capacity());
     spilled_bytes_ += top.subtree.spilled_bytes();
     progress_.add(node.range.count());
@@ -150,6 +165,7 @@ class ParallelBuilder {
  private:
   const BuildContext& context_;
   Progress progress_;
+  const std::size_t scratch_capacity_;
   std::atomic<std::size_t> spilled_bytes_ = 0, top_nodes_ = 0;
 };
 
@@ -177,7 +193,7 @@ BinaryTree construct_split_tree(const Geometry& geometry, const BuildOptions& op
   if (room >= (std::size_t{1} << 31)) {
     raise(Error::too_large, "there may be 2^31 references or more, which is more than kerf can number");
   }
-  const AlignedArray<Reference> arena(room);
+  UninitializedVector<Reference> arena(room);
   return on_threads(options.threads, [&]() -> BinaryTree {
     const ReferenceSummary input = write_references(geometry, options.non_finite, arena.data());
     BinaryTree tree;
@@ -192,7 +208,7 @@ BinaryTree construct_split_tree(const Geometry& geometry, const BuildOptions& op
                                  .relative_overlap = options.alpha > 0.0f ? min_relative_overlap : 0.0f,
                                  .min_spatial_count = options.alpha > 0.0f ? min_spatial_count : 2};
       const auto limit = static_cast<std::uint32_t>(max_references(input.count, options));
-      tree = ParallelBuilder(context, options, input.count)
+      tree = ParallelBuilder(context, options, input.count, limit)
                  .build({{0, input.count, limit}, 0, input.box, input.doubled_centroids},
                         room * sizeof(Reference));
       tree.min_divided_count = context.geometry == nullptr ? ~std::uint32_t{0} : context.min_spatial_count;
@@ -215,7 +231,8 @@ BinaryTree construct_object_split_tree(std::vector<Reference> references, const 
                              .max_leaf_size = options.max_leaf_size,
                              .min_spatial_count = min_spatial_count};
   return on_threads(options.threads, [&] {
-    return ParallelBuilder(context, options, count).build(root, references.capacity() * sizeof(Reference));
+    return ParallelBuilder(context, options, count, count)
+        .build(root, references.capacity() * sizeof(Reference));
   });
 }
 
@@ -226,7 +243,8 @@ std::size_t tree_memory_bound(std::size_t triangles, const BuildOptions& options
   // Only nodes with room for more than `task_capacity` references have two top nodes below them. Nodes at one
   // depth share the arena, which limits how many of these there are.
   const std::size_t top_nodes = 1 + 2 * max_tree_depth * (references / task_capacity);
-  const std::size_t scratch = static_cast<std::size_t>(usable_threads(options.threads)) * Scratch::bytes;
+  const std::size_t scratch = static_cast<std::size_t>(usable_threads(options.threads)) *
+                              Scratch::bytes(scratch_capacity(references));
   return references * sizeof(Reference) + spilled +
          top_nodes * (ParallelBuilder::bytes_per_top_node + ParallelBuilder::bytes_per_place) +
          std::max(scratch, tree);
