@@ -35,6 +35,11 @@ inline void sign(std::span<std::byte> image) {
     header.meshes_checksum = section(layout.meshes_at, layout.meshes_bytes);
     header.nodes_checksum = section(layout.nodes_at, layout.nodes_bytes);
     header.leaves_checksum = section(layout.leaves_at, layout.leaves_bytes);
+    if (layout.annex_bytes != 0 && layout.annex_at + layout.annex_bytes <= image.size()) {
+      constexpr std::size_t at = offsetof(FileAnnex, checksum);
+      const std::uint64_t sum = section(layout.annex_at, at);
+      std::memcpy(image.data() + layout.annex_at + at, &sum, sizeof sum);
+    }
   }
   header.header_checksum =
       checksum(std::as_bytes(std::span(&header, 1)).first(offsetof(FileHeader, header_checksum)));

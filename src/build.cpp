@@ -15,6 +15,7 @@
 #include "construction/options.hpp"
 #include "construction/sbvh/parallel_build.hpp"
 #include "layout/lay_out.hpp"
+#include "local_frame.hpp"
 #include "traversal/dispatch.hpp"
 
 namespace kerf {
@@ -25,6 +26,19 @@ constexpr std::size_t max_triangles_of_one_task = 2048;
 
 bool is_one_task(const Geometry& geometry, const BuildOptions& options) {
   return geometry.triangle_count() <= max_triangles_of_one_task && options.presplit_references == 0;
+}
+
+std::shared_ptr<Structure> build_structure(std::span<const TriangleMesh> meshes,
+                                           const BuildOptions& options) {
+  const Geometry geometry(meshes);
+  const auto from_end_to_end = [&] {
+    return lay_out_tree(geometry, construct(geometry, options), options.threads);
+  };
+  return is_one_task(geometry, options) ? on_this_thread(from_end_to_end) : isolated(from_end_to_end);
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 }  // namespace
@@ -45,19 +59,33 @@ Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
   const PlainFloatingPoint plain;
   const auto start = std::chrono::steady_clock::now();
   return report_out_of_memory([&] {
-    const Geometry geometry(meshes);
-    const auto from_end_to_end = [&] {
-      const auto structure = lay_out_tree(geometry, construct(geometry, options), options.threads);
-      structure->statistics.build_seconds =
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      return Structure::share(structure);
-    };
-    return is_one_task(geometry, options) ? on_this_thread(from_end_to_end) : isolated(from_end_to_end);
+    const auto structure = build_structure(meshes, options);
+    structure->statistics.build_seconds = seconds_since(start);
+    return Structure::share(structure);
   });
 }
 
-Bvh build(const TriangleMesh& mesh, const BuildOptions& options) {
-  return build(std::span<const TriangleMesh>(&mesh, 1), options);
+Bvh build(std::span<const DoubleMesh> meshes, const BuildOptions& options) {
+  const PlainFloatingPoint plain;
+  const auto start = std::chrono::steady_clock::now();
+  return report_out_of_memory([&] {
+    return on_threads(options.threads, [&] {
+      check_options(options);
+      const LocalFrame frame(meshes, options.non_finite);
+      const auto structure = build_structure(frame.meshes(), options);
+      structure->origin = frame.origin();
+      BvhStatistics& statistics = structure->statistics;
+      if (statistics.degenerate_triangles != 0)
+        statistics.degenerate_by_rounding = frame.degenerate_by_rounding();
+      statistics.build_peak_bytes += frame.bytes();
+      statistics.build_seconds = seconds_since(start);
+      return Structure::share(structure);
+    });
+  });
+}
+
+Bvh build(const DoubleMesh& mesh, const BuildOptions& options) {
+  return build(std::span<const DoubleMesh>(&mesh, 1), options);
 }
 
 std::size_t build_memory_bound(std::size_t triangles, const BuildOptions& options) {

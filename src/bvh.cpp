@@ -3,6 +3,7 @@
 
 #include <kerf/bvh.hpp>
 
+#include "base/fp_environment.hpp"
 #include "structure.hpp"
 
 namespace kerf {
@@ -14,6 +15,11 @@ std::shared_ptr<const Structure> nothing() noexcept {
   return {std::shared_ptr<const void>(), &structure};
 }
 
+Vec3f rounded(const Vec3d& point, const Vec3d& origin) {
+  return {static_cast<float>(point.x - origin.x), static_cast<float>(point.y - origin.y),
+          static_cast<float>(point.z - origin.z)};
+}
+
 }  // namespace
 
 Bvh::Bvh() noexcept : structure_(nothing()) {}
@@ -22,6 +28,29 @@ Bvh::Bvh(Bvh&& other) noexcept : structure_(std::exchange(other.structure_, noth
 Bvh& Bvh::operator=(Bvh&& other) noexcept {
   structure_ = std::exchange(other.structure_, nothing());
   return *this;
+}
+
+Vec3d Bvh::origin() const {
+  return structure_->origin;
+}
+
+Vec3f Bvh::to_local(const Vec3d& point) const {
+  const PlainFloatingPoint plain;
+  return rounded(point, structure_->origin);
+}
+
+Ray Bvh::to_local(const DoubleRay& ray) const {
+  const PlainFloatingPoint plain;
+  return {.origin = rounded(ray.origin, structure_->origin),
+          .direction = rounded(ray.direction, {}),
+          .t_min = static_cast<float>(ray.t_min),
+          .t_max = static_cast<float>(ray.t_max)};
+}
+
+Vec3d Bvh::from_local(const Vec3f& point) const {
+  const PlainFloatingPoint plain;
+  const Vec3d& origin = structure_->origin;
+  return {origin.x + point.x, origin.y + point.y, origin.z + point.z};
 }
 
 Box3f Bvh::bounds() const {

@@ -37,6 +37,7 @@ struct Structure {
   WideBvh wide;
   std::vector<std::uint32_t> first_triangles;  ///< of each mesh, see `Layout`
   BvhStatistics statistics;
+  Vec3d origin;                      ///< of the local frame
   const Kernels* kernels = nullptr;  ///< what traces `wide`; null for a hierarchy of nothing
   TriangleLeaves triangle_leaves;
 

@@ -1,6 +1,7 @@
 // From meshes to a hierarchy that can be traced.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -64,14 +65,31 @@ struct BuildOptions {
 /// that `BuildOptions::non_finite` says to skip; both are counted. Throws `Error`: `invalid_argument`,
 /// `non_finite_vertex`, `index_out_of_range`, `too_large`, `out_of_memory`, `cancelled`. The mesh may be
 /// freed as soon as this returns.
-KERF_API Bvh build(const TriangleMesh& mesh, const BuildOptions& options = {});
+template <std::same_as<TriangleMesh> Mesh = TriangleMesh>  // so that doubles in braces are a `DoubleMesh`
+Bvh build(const Mesh& mesh, const BuildOptions& options = {});
 
 /// Builds one hierarchy over several meshes. Hits name a mesh by its place in `meshes`.
 KERF_API Bvh build(std::span<const TriangleMesh> meshes, const BuildOptions& options = {});
+
+/// Builds the hierarchy of a mesh in double precision. It lies in a local frame: vertices are rounded to
+/// floats once, as distances from `Bvh::origin`. `Bvh::to_local` and `from_local` take rays and points there
+/// and back. Where floats hold every coordinate, or none is larger than the mesh itself, the origin is 0.
+/// Triangles that lose their area by the rounding are counted in `BvhStatistics::degenerate_by_rounding`.
+/// Beside what other builds hold, this one holds 12 bytes for each vertex and, of 64-bit indices, for each
+/// triangle.
+KERF_API Bvh build(const DoubleMesh& mesh, const BuildOptions& options = {});
+
+/// Builds one hierarchy, with one origin, over several meshes in double precision.
+KERF_API Bvh build(std::span<const DoubleMesh> meshes, const BuildOptions& options = {});
 
 /// An upper bound of the bytes that a build by `sbvh` or `bvh` of so many triangles holds at once, whatever
 /// the triangles are. In practice it holds less than half, see `BvhStatistics::build_peak_bytes`. Throws
 /// `Error::invalid_argument` as `build` does.
 KERF_API std::size_t build_memory_bound(std::size_t triangles, const BuildOptions& options = {});
+
+template <std::same_as<TriangleMesh> Mesh>
+Bvh build(const Mesh& mesh, const BuildOptions& options) {
+  return build(std::span<const TriangleMesh>(&mesh, 1), options);
+}
 
 }  // namespace kerf

@@ -26,9 +26,11 @@ struct BvhStatistics {
   std::size_t triangles = 0;             ///< in the meshes given
   std::size_t degenerate_triangles = 0;  ///< of these, left out because they have no area
   std::size_t non_finite_triangles = 0;  ///< left out by `NonFinite::skip`
-  std::size_t references = 0;            ///< triangles in leaves, each counted once per leaf
-  std::size_t nodes = 0;                 ///< inner nodes and leaves of the structure that is traced
-  std::size_t bytes = 0;                 ///< of the structure that is traced, triangles included
+  /// Of the degenerate triangles, those that have an area in the doubles of their `DoubleMesh`.
+  std::size_t degenerate_by_rounding = 0;
+  std::size_t references = 0;  ///< triangles in leaves, each counted once per leaf
+  std::size_t nodes = 0;       ///< inner nodes and leaves of the structure that is traced
+  std::size_t bytes = 0;       ///< of the structure that is traced, triangles included
   /// The maximum number of bytes that the build held at once, the finished structure included. What `esc` and
   /// `evh` hold before they build their tree is not included. Never more than `build_memory_bound`.
   std::size_t build_peak_bytes = 0;
@@ -221,6 +223,19 @@ class KERF_API Bvh {
   /// As `load`, but maps the file into memory that all processes that do so share. Nobody may change or
   /// truncate the file meanwhile; `load` has no such condition.
   static Bvh map(const std::filesystem::path& path);
+
+  /// Where the local frame lies in which the hierarchy was built: 0 unless it was built from a `DoubleMesh`.
+  /// All rays, points and boxes of the other calls are distances from it.
+  Vec3d origin() const;
+
+  /// A place in the coordinates of the meshes as all calls take it: its distance from `origin()`, rounded.
+  Vec3f to_local(const Vec3d& point) const;
+
+  /// A ray in the coordinates of the meshes as all calls take it. t counts in lengths of the same direction.
+  Ray to_local(const DoubleRay& ray) const;
+
+  /// A point that a call has returned, in the coordinates of the meshes.
+  Vec3d from_local(const Vec3f& point) const;
 
   /// A box around all triangles; empty for an empty hierarchy.
   Box3f bounds() const;

@@ -4,6 +4,7 @@
 
 #include <kerf/build.hpp>
 #include <kerf/bvh.hpp>
+#include <kerf/convert.hpp>
 #include <kerf/error.hpp>
 #include <kerf/mesh.hpp>
 #include <kerf/ray.hpp>

@@ -1,11 +1,13 @@
 // Triangle meshes as kerf sees them: views of memory that the caller owns.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <ranges>
 #include <type_traits>
+#include <utility>
 
 #include <kerf/error.hpp>
 #include <kerf/triples.hpp>
@@ -60,9 +62,10 @@ class TripleView {
     if (count != 0) data_ += triples::offset<T, Scalar>();
   }
 
-  /// `count` triples in memory whose type is not known: nothing checks that they are of `Scalar`.
+  /// `count` triples in memory whose type is not known: nothing checks that they are floats or 32-bit
+  /// indices.
   template <triples::RawMemory T>
-  TripleView(const T* data, std::size_t count, std::size_t stride)
+  requires(!triples::is_wide<Scalar>) TripleView(const T* data, std::size_t count, std::size_t stride)
       : data_(reinterpret_cast<const std::byte*>(data)), count_(count), stride_(stride) {}
 
   /// @cond
@@ -72,7 +75,7 @@ class TripleView {
   TripleView(R&&) = delete;  // a temporary: it dies before the view is read, so keep it in a variable
 
   template <class R> requires(triples::Refused<R, Scalar, TripleView> && TriplesOf<R, triples::Wider<Scalar>>)
-  TripleView(R&&) = delete;  // doubles or 64-bit indices: copy them to floats or 32-bit indices
+  TripleView(R&&) = delete;  // doubles or 64-bit indices: kerf::DoubleMesh takes both; or copy them to floats and 32-bit indices
 
   template <class R> requires(triples::Refused<R, Scalar, TripleView> && triples::Matrix<std::remove_cvref_t<R>> && !TriplesOf<R, triples::Wider<Scalar>>)
   TripleView(R&&) = delete;  // a matrix: it needs a triple per row and RowMajor, or a triple per column and ColMajor
@@ -80,7 +83,7 @@ class TripleView {
   template <class R> requires(triples::Refused<R, Scalar, TripleView> && !triples::Matrix<std::remove_cvref_t<R>> && !TriplesOf<R, triples::Wider<Scalar>>)
   TripleView(R&&) = delete;  // not three floats, or three 32-bit indices: copy them, or give address, count and stride
 
-  template <class T> requires(!ScalarOf<T, Scalar> && !TripleOf<T, Scalar> && !triples::RawMemory<T>)
+  template <class T> requires(!triples::is_wide<Scalar> && !ScalarOf<T, Scalar> && !TripleOf<T, Scalar> && !triples::RawMemory<T>)
   TripleView(const T*, std::size_t, std::size_t = 0) = delete;  // an address of what is not floats, or 32-bit indices: copy them
   // clang-format on
   /// @endcond
@@ -108,6 +111,41 @@ class TripleView {
 struct TriangleMesh {
   TripleView<float> vertices;           ///< positions, in any unit; each coordinate below 2^126
   TripleView<std::uint32_t> triangles;  ///< three vertex numbers each, all below `vertices.size()`
+};
+
+/// A view of triples of vertex numbers, of 32 or 64 bits each.
+class IndexView {
+ public:
+  IndexView() = default;
+
+  /// From whatever makes a `TripleView` of 32-bit integers.
+  template <class... From>
+  requires std::constructible_from<TripleView<std::uint32_t>, From...> IndexView(
+      From&&... from)  // NOLINT: implicit, as for a view
+      : narrow_(std::forward<From>(from)...) {}
+
+  /// From whatever makes a `TripleView` of 64-bit integers.
+  template <class... From>
+  requires std::constructible_from<TripleView<std::uint64_t>, From...> IndexView(
+      From&&... from)  // NOLINT: implicit, as for a view
+      : wide_(std::forward<From>(from)...), is_wide_(true) {}
+
+  bool is_wide() const { return is_wide_; }                                      ///< of 64-bit integers
+  std::size_t size() const { return is_wide_ ? wide_.size() : narrow_.size(); }  ///< number of triples
+  const TripleView<std::uint32_t>& narrow() const { return narrow_; }            ///< those of 32 bits
+  const TripleView<std::uint64_t>& wide() const { return wide_; }                ///< those of 64 bits
+
+ private:
+  TripleView<std::uint32_t> narrow_;
+  TripleView<std::uint64_t> wide_;
+  bool is_wide_ = false;
+};
+
+/// An indexed triangle mesh in double precision, for scenes far from the origin (maps, buildings at their
+/// surveyed place). The hierarchy is built in a local frame of floats, whose place `Bvh::origin` tells.
+struct DoubleMesh {
+  TripleView<double> vertices;  ///< positions, in any unit; each coordinate below 2^126
+  IndexView triangles;          ///< three vertex numbers each, all below `vertices.size()`
 };
 
 }  // namespace kerf

@@ -21,6 +21,16 @@ struct Ray {
   float t_max = std::numeric_limits<float>::infinity();
 };
 
+/// A ray in double precision, in the coordinates of a `DoubleMesh`; `Bvh::to_local` makes the ray that is
+/// traced.
+struct DoubleRay {
+  Vec3d origin;        ///< the point at t = 0
+  Vec3d direction;     ///< of any length but 0
+  double t_min = 0.0;  ///< hits with a smaller t do not count; at least 0
+  /// Hits with a larger t do not count.
+  double t_max = std::numeric_limits<double>::infinity();
+};
+
 /// Stands for no triangle.
 inline constexpr std::uint32_t invalid_id = 0xffffffffu;
 

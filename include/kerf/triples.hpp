@@ -197,9 +197,14 @@ concept Temporary = Collection<R, View> && !std::is_lvalue_reference_v<R> && !st
 template <class Scalar>
 using Wider = std::conditional_t<std::floating_point<Scalar>, double, std::uint64_t>;
 
+/// Views of wide scalars refuse by being no candidates, so that a mesh given in braces is that of the view
+/// which takes it. Memory without a type is never wide.
+template <class Scalar>
+inline constexpr bool is_wide = std::same_as<Scalar, Wider<Scalar>>;
+
 /// A collection that outlives the view, but does not hold triples of `Scalar`.
 template <class R, class Scalar, class View>
-concept Refused = Collection<R, View> && !Temporary<R, View> && !TriplesOf<R, Scalar>;
+concept Refused = Collection<R, View> && !Temporary<R, View> && !TriplesOf<R, Scalar> && !is_wide<Scalar>;
 
 }  // namespace triples
 /// @endcond

@@ -19,6 +19,15 @@ struct Vec3f {
   friend constexpr bool operator==(const Vec3f&, const Vec3f&) = default;
 };
 
+/// The same in double precision, for places far from the origin: see `DoubleMesh`.
+struct Vec3d {
+  double x = 0.0;  ///< along the first axis
+  double y = 0.0;  ///< along the second
+  double z = 0.0;  ///< along the third
+
+  friend constexpr bool operator==(const Vec3d&, const Vec3d&) = default;
+};
+
 /// An axis-aligned box, both ends included. A default box is empty: growing it by a point gives that point.
 struct Box3f {
   /// The smallest coordinates in the box.

@@ -1,6 +1,7 @@
 #include "files/file_header.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "base/raise.hpp"
@@ -17,6 +18,9 @@ std::uint64_t aligned(std::uint64_t offset) {
 std::span<const std::byte> before_checksum(const FileHeader& header) {
   return std::as_bytes(std::span(&header, 1)).first(offsetof(FileHeader, header_checksum));
 }
+std::span<const std::byte> before_checksum(const FileAnnex& annex) {
+  return std::as_bytes(std::span(&annex, 1)).first(offsetof(FileAnnex, checksum));
+}
 
 }  // namespace
 
@@ -27,7 +31,9 @@ FileLayout::FileLayout(const FileHeader& header)
       nodes_bytes(std::uint64_t{header.nodes} * header.node_width * 32),
       leaves_at(aligned(nodes_at + nodes_bytes)),
       leaves_bytes(header.leaf_words * sizeof(std::uint32_t)),
-      file_bytes(aligned(leaves_at + leaves_bytes)) {}
+      annex_at(aligned(leaves_at + leaves_bytes)),
+      annex_bytes(header.file_bytes == annex_at + alignment ? sizeof(FileAnnex) : 0),
+      file_bytes(aligned(annex_at + annex_bytes)) {}
 
 FileHeader make_header(const Structure& structure) {
   const WideBvh& wide = structure.wide;
@@ -47,9 +53,34 @@ FileHeader make_header(const Structure& structure) {
                                                             : std::span(structure.first_triangles)));
   header.nodes_checksum = checksum(wide.node_memory_view());
   header.leaves_checksum = checksum(std::as_bytes(wide.leaves));
-  header.file_bytes = FileLayout(header).file_bytes;
+  header.file_bytes =
+      FileLayout(header).annex_at + (make_annex(structure).empty() ? 0 : FileLayout::alignment);
   header.header_checksum = checksum(before_checksum(header));
   return header;
+}
+
+FileAnnex make_annex(const Structure& structure) {
+  FileAnnex annex{.origin = structure.origin,
+                  .non_finite_triangles = structure.statistics.non_finite_triangles,
+                  .degenerate_by_rounding = structure.statistics.degenerate_by_rounding};
+  annex.checksum = checksum(before_checksum(annex));
+  return annex;
+}
+
+FileAnnex read_annex(std::span<const std::byte> bytes, const FileHeader& header) {
+  FileAnnex annex;
+  if (bytes.empty()) return annex;
+  std::memcpy(&annex, bytes.data(), sizeof annex);
+  if (annex.checksum != checksum(before_checksum(annex)))
+    raise(Error::bad_format, "the annex is damaged: wrong checksum");
+  const Vec3d& o = annex.origin;
+  if (!std::isfinite(o.x) || !std::isfinite(o.y) || !std::isfinite(o.z))
+    raise(Error::bad_format, "the origin is (%g, %g, %g)", o.x, o.y, o.z);
+  if (annex.empty() || annex.degenerate_by_rounding > header.degenerate_triangles ||
+      annex.non_finite_triangles > header.triangles - header.degenerate_triangles) {
+    raise(Error::bad_format, "the annex names impossible numbers of triangles");
+  }
+  return annex;
 }
 
 FileHeader read_header(std::span<const std::byte> bytes, std::uint64_t file_bytes) {

@@ -40,6 +40,17 @@ struct FileHeader {
 };
 static_assert(sizeof(FileHeader) == 120 && std::is_trivially_copyable_v<FileHeader>);
 
+/// What few files have behind the leaves. Files without it are as they were before there was one.
+struct FileAnnex {
+  Vec3d origin;                              ///< of the local frame
+  std::uint64_t non_finite_triangles = 0;    ///< left out of the hierarchy
+  std::uint64_t degenerate_by_rounding = 0;  ///< of the degenerate triangles
+  std::uint64_t checksum = 0;                ///< of all bytes before it
+
+  bool empty() const { return origin == Vec3d{} && non_finite_triangles == 0 && degenerate_by_rounding == 0; }
+};
+static_assert(sizeof(FileAnnex) == 48 && std::is_trivially_copyable_v<FileAnnex>);
+
 /// Where the sections of a file lie. Each begins at a multiple of 64; zeros fill the space between them.
 struct FileLayout {
   static constexpr std::uint64_t alignment = 64;
@@ -47,6 +58,7 @@ struct FileLayout {
   std::uint64_t meshes_at, meshes_bytes;
   std::uint64_t nodes_at, nodes_bytes;
   std::uint64_t leaves_at, leaves_bytes;
+  std::uint64_t annex_at, annex_bytes;
   std::uint64_t file_bytes;
 
   /// `header.leaf_words` must be below 2^60.
@@ -56,6 +68,13 @@ struct FileLayout {
 /// The header of the file of `structure`. It depends neither on the machine's speed nor on the number of
 /// threads.
 FileHeader make_header(const Structure& structure);
+
+/// The annex of the file of `structure`.
+FileAnnex make_annex(const Structure& structure);
+
+/// What `bytes`, the annex of a file with this header, say; nothing if there are none. Throws
+/// `Error::bad_format`.
+FileAnnex read_annex(std::span<const std::byte> bytes, const FileHeader& header);
 
 /// Checks all that a header can tell by itself, and that the file has as many bytes as it says, so that
 /// memory can be taken for them. `bytes` are the first of the file, at least `sizeof(FileHeader)` unless the

@@ -12,6 +12,7 @@ namespace kerf {
 void Bvh::save(const std::filesystem::path& path) const {
   naming_file(path, [&] {
     const FileHeader header = make_header(*structure_);
+    const FileAnnex annex = make_annex(*structure_);
     const FileLayout layout(header);
     static constexpr std::array<std::byte, FileLayout::alignment> zeros{};
     static constexpr std::uint32_t no_triangles[] = {0};
@@ -27,7 +28,9 @@ void Bvh::save(const std::filesystem::path& path) const {
         structure_->wide.node_memory_view(),
         padding(layout.nodes_at + layout.nodes_bytes, layout.leaves_at),
         std::as_bytes(structure_->wide.leaves),
-        padding(layout.leaves_at + layout.leaves_bytes, layout.file_bytes),
+        padding(layout.leaves_at + layout.leaves_bytes, layout.annex_at),
+        std::as_bytes(std::span(&annex, layout.annex_bytes != 0 ? 1 : 0)),
+        padding(layout.annex_at + layout.annex_bytes, layout.file_bytes),
     };
     replace_file(path, pieces);
   });

@@ -10,11 +10,6 @@
 
 namespace kerf {
 
-/// A vector in double precision, for differences of points.
-struct Vec3d {
-  double x, y, z;
-};
-
 inline Vec3d widen(const Vec3f& a) {
   return {a.x, a.y, a.z};
 }
