@@ -10,9 +10,9 @@ namespace kerf {
 
 /// The points `origin + t * direction` with `t_min <= t <= t_max`.
 ///
-/// `direction` need not have unit length (t counts in its lengths) and may have zero components, but not
-/// three. `t_min` is at least 0; a ray with `t_max < t_min`, or with a component that is not a number, hits
-/// nothing.
+/// Coordinates of the origin are below 2^126. `direction` need not have unit length (t counts in its lengths)
+/// and may have zero components, but not three. `t_min` is at least 0; a ray with `t_max < t_min`, or with a
+/// component that is not a number, hits nothing.
 struct Ray {
   Vec3f origin;        ///< the point at t = 0
   Vec3f direction;     ///< of any length but 0

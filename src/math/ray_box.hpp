@@ -11,6 +11,16 @@
 
 namespace kerf {
 
+/// The largest distance along an axis to the far side of the scene.
+inline float far_side(const Vec3f& origin, const Box3f& scene) {
+  float distance = 0.0f;
+  for (int axis = 0; axis < 3; ++axis) {
+    distance = std::max(
+        {distance, std::abs(origin[axis] - scene.lower[axis]), std::abs(origin[axis] - scene.upper[axis])});
+  }
+  return distance;
+}
+
 /// A ray as box tests see it: along each axis, the ray enters between two planes at `near * inverse + enter`
 /// and leaves at `far * inverse + leave`.
 ///

@@ -133,7 +133,7 @@ TEST(HostileMeshes, OfOrdersOfMagnitudeApartOnlyTrianglesAreHit) {
       if (!hit) continue;
       ASSERT_LT(hit->primitive, indices.size() / 3);
       const std::span own = std::span(indices).subspan(3 * hit->primitive, 3);
-      const auto alone = brute_force({.vertices = vertices, .triangles = own}, ray);
+      const auto alone = brute_force({.vertices = vertices, .triangles = own}, ray, bvh.bounds());
       ASSERT_TRUE(alone.has_value()) << "scene " << scene << ", ray " << i;
       EXPECT_EQ(alone->t, hit->t);
       ++hits;

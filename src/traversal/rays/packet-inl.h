@@ -106,6 +106,7 @@ class Packet {
       extent = std::max(extent, upper[a] - lower[a]);
     }
     if (!(spread <= max_spread * extent)) return false;
+    if (is_far(hn::GetLane(hn::MaxOfLanes(tag, distance)), bvh_)) return false;
     const V margin = boxes_margin(tag, distance, bvh_);
     float min_margin, max_margin;
     find_range(hn::Add(margin, margin), min_margin,

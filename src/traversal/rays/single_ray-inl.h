@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 
 #include <hwy/highway.h>
@@ -110,17 +111,32 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
 // Traces a ray that has to be scaled before.
 template <bool any_hit, bool counting>
 HWY_NOINLINE HWY_ATTR Hit trace_prepared(const WideBvh& bvh, const Ray& ray, TraversalCounters* counters) {
-  const PreparedRay prepared(ray);
+  const PreparedRay prepared(ray, is_far(far_side(ray.origin, bvh.bounds), bvh));
   if (!prepared.valid()) return Hit{};
-  const Ray scaled{.origin = prepared.origin,
-                   .direction = prepared.direction,
-                   .t_min = prepared.t_min,
-                   .t_max = prepared.t_max};
+  Ray scaled{.origin = prepared.origin,
+             .direction = prepared.direction,
+             .t_min = prepared.t_min,
+             .t_max = prepared.t_max};
   WideRay wide;
-  if (!set_up(scaled, bvh, wide)) return Hit{};
-  Hit hit = trace<any_hit, counting>(bvh, scaled, wide, counters);
-  hit.t = prepared.unscaled(hit.t);
-  return hit;
+  if (!set_up<true>(scaled, bvh, wide)) return Hit{};
+  if (!prepared.has_subnormal_end(ray)) {
+    Hit hit = trace<any_hit, counting>(bvh, scaled, wide, counters);
+    if (hit) hit.t = prepared.unscaled(hit.t);
+    return hit;
+  }
+  // The range that is traced holds every t which rounds into the caller's, and a few more.
+  while (true) {
+    Hit hit = trace<false, counting>(bvh, scaled, wide, counters);
+    if (!hit) return Hit{};
+    const float t = prepared.unscaled(hit.t);
+    if (t > ray.t_max) return Hit{};
+    if (t >= ray.t_min) {
+      hit.t = t;
+      return any_hit ? Hit{.primitive = hit.primitive} : hit;
+    }
+    scaled.t_min = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
+    if (!(scaled.t_min <= scaled.t_max) || !set_up<true>(scaled, bvh, wide)) return Hit{};
+  }
 }
 
 template <bool any_hit, bool counting>

@@ -89,19 +89,28 @@ HWY_INLINE float min_value(float distance) {
   return distance < 0x1p36f ? SinglePrecision::min_value : std::numeric_limits<float>::infinity();
 }
 
+// Whether a ray from which the far side of the scene lies at `distance` has to be scaled, see `PreparedRay`.
+HWY_INLINE bool is_far(float distance, const WideBvh& bvh) {
+  return !(distance + bvh.largest_coordinate < PreparedRay::far);
+}
+
 #if KERF_FLOAT_LANES == 1
+template <bool prepared = false>
 HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   out = {};
-  const PreparedRay prepared(ray);
-  if (prepared.scale != 1.0 || (!prepared.valid() && ray.t_min <= ray.t_max)) return false;
+  if constexpr (!prepared) {
+    const PreparedRay wanted(ray);
+    if (wanted.scale != 1.0 || (!wanted.valid() && ray.t_min <= ray.t_max)) return false;
+  }
   const float o[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
   const RayBoxes boxes(ray.origin, ray.direction, bvh.bounds);
+  if (!prepared && is_far(boxes.distance, bvh)) return false;
   const RayShear shear(ray.direction);
   const int axes[3] = {shear.kx, shear.ky, shear.kz};
   out.inverse = three(boxes.inverse);
   out.enter = three(boxes.enter);
   out.leave = three(boxes.leave);
-  out.t_min = prepared.t_min;
+  out.t_min = std::max(ray.t_min, 0.0f);
   out.octant = 0;
   for (int i = 0; i < 3; ++i) {
     out.octant |= static_cast<unsigned>(std::signbit(boxes.inverse[i])) << i;
@@ -143,8 +152,9 @@ HWY_INLINE hn::Vec<Tag> boxes_margin(Tag tag, hn::Vec<Tag> distance, const WideB
               hn::Set(tag, RayBoxes::margin_of_origin * bvh.largest_coordinate)));
 }
 
-// False for a ray that `PreparedRay` has to scale or to refuse. The shear is that of `RayShear` to the last
-// bit. The margin of boxes may differ, which changes no hit.
+// False for a ray that `PreparedRay` has to scale or to refuse, unless it has done so. The shear is that of
+// `RayShear` to the last bit. The margin of boxes may differ, which changes no hit.
+template <bool prepared = false>
 HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   const FloatTag4 tag;
   const float* origin = &ray.origin.x;
@@ -155,10 +165,12 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   const Float4 largest = largest_of_three(absolute);
   const float length = hn::GetLane(largest);
   const std::uint32_t finite = three_bits(hn::Eq(hn::Mul(zero, hn::Add(o, d)), zero));
-  if (!(finite == 7 && length > PreparedRay::shortest && length < PreparedRay::longest)) return false;
+  if (!prepared && !(finite == 7 && length > PreparedRay::shortest && length < PreparedRay::longest))
+    return false;
 
   const Float4 distance = largest_of_three(hn::Max(hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.lower.x))),
                                                    hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.upper.x)))));
+  if (!prepared && HWY_UNLIKELY(is_far(hn::GetLane(distance), bvh))) return false;
   const Float4 margin = boxes_margin(tag, distance, bvh);
   const Float4 positive =
       hn::Div(hn::Set(tag, 1.0f), hn::Max(absolute, hn::Mul(largest, hn::Set(tag, 0x1p-26f))));
