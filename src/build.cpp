@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <utility>
+#include <vector>
 
 #include <kerf/build.hpp>
 
@@ -43,6 +44,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
+namespace {
+
+std::vector<std::uint32_t> masks_of(std::span<const TriangleMesh> meshes) {
+  std::vector<std::uint32_t> masks;
+  if (std::all_of(meshes.begin(), meshes.end(), [](const TriangleMesh& m) { return m.mask == Mask(); }))
+    return masks;
+  for (const TriangleMesh& mesh : meshes) masks.push_back(mesh.mask.bits);
+  return masks;
+}
+
+}  // namespace
+
 std::shared_ptr<Structure> lay_out_tree(const Geometry& geometry, const BinaryTree& tree, unsigned threads) {
   LaidOut laid_out =
       on_threads(threads, [&] { return make_wide_bvh(geometry, tree, choose_kernels().node_width); });
@@ -50,6 +63,7 @@ std::shared_ptr<Structure> lay_out_tree(const Geometry& geometry, const BinaryTr
   auto structure = make_structure(std::move(laid_out.wide), {first_triangles.begin(), first_triangles.end()},
                                   tree.degenerate_triangles);
   structure->statistics.non_finite_triangles = tree.non_finite_triangles;
+  structure->masks = masks_of(geometry.meshes());
   structure->statistics.build_peak_bytes =
       std::max(tree.build_peak_bytes, tree.bytes() + laid_out.peak_bytes);
   return structure;

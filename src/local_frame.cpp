@@ -185,6 +185,7 @@ LocalFrame::LocalFrame(std::span<const DoubleMesh> meshes, NonFinite non_finite)
       }
     });
     local_[m].vertices = copy.vertices;
+    local_[m].mask = meshes_[m].mask;
     if (!from.triangles.is_wide()) {
       local_[m].triangles = from.triangles.narrow();
       continue;

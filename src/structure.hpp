@@ -36,6 +36,7 @@ class TriangleLeaves {
 struct Structure {
   WideBvh wide;
   std::vector<std::uint32_t> first_triangles;  ///< of each mesh, see `Layout`
+  std::vector<std::uint32_t> masks;            ///< of each mesh; none where all have all bits
   BvhStatistics statistics;
   Vec3d origin;                      ///< of the local frame
   const Kernels* kernels = nullptr;  ///< what traces `wide`; null for a hierarchy of nothing

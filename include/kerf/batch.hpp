@@ -40,6 +40,8 @@ struct RayView {
   Column<const float> direction[3];  ///< x, y and z
   Column<const float> t_min;         ///< null: 0 for all
   Column<const float> t_max;         ///< null: infinity for all
+  /// `Mask::bits` of each ray, for `intersect` and `occluded`; null: all bits for all.
+  Column<const std::uint32_t> mask;
 
   RayView() = default;
 

@@ -75,6 +75,60 @@ class KERF_API Bvh {
   /// Flag i becomes 1 if ray i hits anything, else 0.
   void occluded(const RayView& rays, const FlagView& occluded, const BatchOptions& options = {}) const;
 
+  /// The closest of the hits that `filter` accepts: transparency by a texture, everything but one triangle,
+  /// front faces only. `filter(hit)` is asked about hits that are nearer than all that it has accepted, in
+  /// any order, about each triangle at most once. What it throws is passed on.
+  template <class Filter>
+  requires std::predicate<Filter&, const Hit&> std::optional<Hit> intersect(const Ray& ray, Filter&& filter)
+  const { return intersect(ray, Mask(), filter); }
+
+  /// True if anything is hit that `filter` accepts. It is asked until it accepts a hit, as above.
+  template <class Filter>
+  requires std::predicate<Filter&, const Hit&>
+  bool occluded(const Ray& ray, Filter&& filter) const { return occluded(ray, Mask(), filter); }
+
+  /// The closest hit of a mesh that the ray sees.
+  std::optional<Hit> intersect(const Ray& ray, Mask mask) const {
+    return intersect_filtered(ray, mask, nullptr, nullptr);
+  }
+
+  /// True if a mesh is hit that the ray sees.
+  bool occluded(const Ray& ray, Mask mask) const { return occluded_filtered(ray, mask, nullptr, nullptr); }
+
+  /// The closest of the hits of meshes that the ray sees which `filter` accepts.
+  template <class Filter>
+  requires std::predicate<Filter&, const Hit&> std::optional<Hit> intersect(const Ray& ray, Mask mask,
+                                                                            Filter&& filter)
+  const {
+    auto call = [&filter](const Hit& hit) { return static_cast<bool>(std::invoke(filter, hit)); };
+    return intersect_filtered(ray, mask, &call, call_filter<decltype(call)>);
+  }
+
+  /// True if a mesh that the ray sees is hit and `filter` accepts the hit.
+  template <class Filter>
+  requires std::predicate<Filter&, const Hit&>
+  bool occluded(const Ray& ray, Mask mask, Filter&& filter) const {
+    auto call = [&filter](const Hit& hit) { return static_cast<bool>(std::invoke(filter, hit)); };
+    return occluded_filtered(ray, mask, &call, call_filter<decltype(call)>);
+  }
+
+  /// Hit i becomes the closest of the hits that `filter(i, hit)` accepts for ray i. `filter` is called from
+  /// all threads at once; what it throws is passed on.
+  template <class Filter>
+  requires std::predicate<const Filter&, std::size_t, const Hit&>
+  void intersect(const RayView& rays, const HitView& hits, const Filter& filter,
+                 const BatchOptions& options = {}) const {
+    intersect_filtered(rays, hits, options, &filter, call_filter_of_many<Filter>);
+  }
+
+  /// Flag i becomes 1 if ray i hits anything that `filter(i, hit)` accepts, else 0. As above.
+  template <class Filter>
+  requires std::predicate<const Filter&, std::size_t, const Hit&>
+  void occluded(const RayView& rays, const FlagView& occluded, const Filter& filter,
+                const BatchOptions& options = {}) const {
+    occluded_filtered(rays, occluded, options, &filter, call_filter_of_many<Filter>);
+  }
+
   /// Calls `visit(hit)` for every triangle that the ray crosses in `[ray.t_min, ray.t_max]`, each exactly
   /// once, in the order of (t, mesh, primitive), until `visit` returns false; it may also return nothing.
   /// Both sides count.
@@ -246,6 +300,23 @@ class KERF_API Bvh {
  private:
   friend struct Structure;
   explicit Bvh(std::shared_ptr<const Structure> structure) noexcept;
+  template <class Call>
+  static bool call_filter(void* call, const Hit& hit) {
+    return (*static_cast<Call*>(call))(hit);
+  }
+  template <class Filter>
+  static bool call_filter_of_many(const void* filter, std::size_t ray, const Hit& hit) {
+    return static_cast<bool>((*static_cast<const Filter*>(filter))(ray, hit));
+  }
+  using FilterOfMany = bool (*)(const void* context, std::size_t ray, const Hit& hit);
+  void intersect_filtered(const RayView& rays, const HitView& hits, const BatchOptions& options,
+                          const void* context, FilterOfMany accept) const;
+  void occluded_filtered(const RayView& rays, const FlagView& occluded, const BatchOptions& options,
+                         const void* context, FilterOfMany accept) const;
+  std::optional<Hit> intersect_filtered(const Ray& ray, Mask mask, void* context,
+                                        bool (*accept)(void* context, const Hit& hit)) const;
+  bool occluded_filtered(const Ray& ray, Mask mask, void* context,
+                         bool (*accept)(void* context, const Hit& hit)) const;
   void visit_hits(const Ray& ray, const void* visitor, bool (*visit)(const void*, const Hit&)) const;
 
   std::shared_ptr<const Structure> structure_;

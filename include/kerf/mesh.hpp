@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <kerf/error.hpp>
+#include <kerf/ray.hpp>
 #include <kerf/triples.hpp>
 
 namespace kerf {
@@ -111,6 +112,7 @@ class TripleView {
 struct TriangleMesh {
   TripleView<float> vertices;           ///< positions, in any unit; each coordinate below 2^126
   TripleView<std::uint32_t> triangles;  ///< three vertex numbers each, all below `vertices.size()`
+  Mask mask = {};                       ///< rays that are traced with a `Mask` see it if they share a bit
 };
 
 /// A view of triples of vertex numbers, of 32 or 64 bits each.
@@ -146,6 +148,7 @@ class IndexView {
 struct DoubleMesh {
   TripleView<double> vertices;  ///< positions, in any unit; each coordinate below 2^126
   IndexView triangles;          ///< three vertex numbers each, all below `vertices.size()`
+  Mask mask = {};               ///< as that of a `TriangleMesh`
 };
 
 }  // namespace kerf

@@ -31,6 +31,13 @@ struct DoubleRay {
   double t_max = std::numeric_limits<double>::infinity();
 };
 
+/// Which meshes a ray sees: those whose `TriangleMesh::mask` has a bit in common with this.
+struct Mask {
+  std::uint32_t bits = 0xffffffffu;  ///< 0: none, not even those with all bits
+
+  friend constexpr bool operator==(const Mask&, const Mask&) = default;
+};
+
 /// Stands for no triangle.
 inline constexpr std::uint32_t invalid_id = 0xffffffffu;
 

@@ -36,6 +36,7 @@ std::optional<Hit> Bvh::intersect(const Ray& ray) const {
 }
 
 void Bvh::intersect(const RayView& rays, const HitView& hits, const BatchOptions& options) const {
+  if (rays.mask.data != nullptr) return intersect_filtered(rays, hits, options, nullptr, nullptr);
   require_as_many(rays.count, hits.count, "as many hits as rays are needed");
   const Structure& structure = *structure_;
   Hit* const array = as_array(hits);

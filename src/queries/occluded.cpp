@@ -17,6 +17,7 @@ bool Bvh::occluded(const Ray& ray) const {
 }
 
 void Bvh::occluded(const RayView& rays, const FlagView& occluded, const BatchOptions& options) const {
+  if (rays.mask.data != nullptr) return occluded_filtered(rays, occluded, options, nullptr, nullptr);
   require_as_many(rays.count, occluded.size(), "as many results as rays are needed");
   const Structure& structure = *structure_;
   for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {

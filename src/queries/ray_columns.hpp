@@ -23,6 +23,11 @@ inline float read(const Column<const float>& column, std::size_t i) {
   std::memcpy(&value, address(column, i), sizeof value);
   return value;
 }
+inline Mask mask_at(const RayView& rays, std::size_t i) {
+  Mask mask;
+  if (rays.mask.data != nullptr) std::memcpy(&mask.bits, address(rays.mask, i), sizeof mask.bits);
+  return mask;
+}
 template <class T>
 void write(const Column<T>& column, std::size_t i, T value) {
   if (column.data != nullptr) std::memcpy(address(column, i), &value, sizeof value);

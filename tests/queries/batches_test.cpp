@@ -273,7 +273,8 @@ TEST(Batches, NoQuestionsHaveNoAnswers) {
   torus().intersect(std::vector<Ray>(), hits);
   torus().intersect(RayView::six_floats(nullptr, 0), hits);
   EXPECT_EQ(torus().all_hits(RayView()).size(), 0u);
-  EXPECT_EQ(torus().within(std::vector<Vec3f>(), 1.0f).size(), 0u);
+  const std::vector<Vec3f> no_points;
+  EXPECT_EQ(torus().within(no_points, 1.0f).size(), 0u);
   EXPECT_EQ(torus().triangles_in(std::span<const Box3f>()).size(), 0u);
 }
 

@@ -53,9 +53,11 @@ HWY_INLINE bool set_up_line(const Ray& ray, const WideBvh& bvh, LineRay& out) {
   constexpr float largest = std::numeric_limits<float>::max();
   double scale = 1.0;
   if (HWY_UNLIKELY(!set_up(ray, bvh, out.wide))) {
-    const PreparedRay prepared({.origin = ray.origin, .direction = ray.direction});
+    const PreparedRay prepared({.origin = ray.origin, .direction = ray.direction},
+                               is_far(far_side(ray.origin, bvh.bounds), bvh));
     if (!prepared.valid()) return false;
-    if (!set_up({.origin = prepared.origin, .direction = prepared.direction}, bvh, out.wide)) return false;
+    const Ray scaled{.origin = prepared.origin, .direction = prepared.direction};
+    if (!set_up<true>(scaled, bvh, out.wide)) return false;
     scale = prepared.scale;
   }
   const auto scaled = [scale](float t) {

@@ -14,6 +14,7 @@
 
 #include "math/ray_triangle.hpp"
 #include "simd/floats-inl.h"
+#include "traversal/rays/prepared_ray.hpp"
 #include "traversal/rays/wide_ray-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -36,6 +37,31 @@ HWY_INLINE std::uint32_t lanes_of_group(std::uint32_t begin, std::uint32_t count
   return (1u << std::min(count - begin, std::uint32_t{leaf_group})) - 1;
 }
 
+// Which hits count: all of them.
+struct NoFilter {
+  static constexpr bool filters = false;
+  bool operator()(std::uint32_t, const RayCrossing&) const { return true; }
+};
+
+// Which hits count: those that a caller accepts. It is asked about a triangle in each leaf in which the ray
+// meets it, but only while that is nearer than all that has been accepted.
+struct HitFilter {
+  static constexpr bool filters = true;
+  void* context;
+  bool (*accept)(void* context, const Hit& hit);
+  const PreparedRay* prepared = nullptr;  // of a ray that has been scaled
+  const Ray* caller = nullptr;            // that ray as it was given, whose range decides
+
+  bool operator()(std::uint32_t primitive, const RayCrossing& crossing) const {
+    float t = crossing.t;
+    if (prepared != nullptr) {
+      t = prepared->unscaled(t);
+      if (!(t >= caller->t_min && t <= caller->t_max)) return false;
+    }
+    return accept(context, {.t = t, .u = crossing.u, .v = crossing.v, .primitive = primitive});
+  }
+};
+
 #if !HWY_NATIVE_FMA
 // The nearest triangle found so far.
 struct Nearest {
@@ -51,15 +77,18 @@ HWY_INLINE Hit settled_hit(const WideBvh&, const Ray&, const Nearest& nearest) {
   return {.t = nearest.last, .u = nearest.u, .v = nearest.v, .primitive = nearest.primitive};
 }
 
-// Makes triangle `i` of a leaf the nearest if it is nearer. Of those at the same t the triangle with the
-// lowest number is.
+// Makes triangle `i` of a leaf the nearest if it is nearer and `filter` accepts it. Of those at the same t
+// the triangle with the lowest number is nearer.
+template <class Filter>
 HWY_NOINLINE HWY_ATTR bool intersect_one(const RayShear& shear, const WideBvh& bvh, ChildLink leaf,
-                                         std::uint32_t i, const Ray& ray, float t_min, Nearest& best) {
+                                         std::uint32_t i, const Ray& ray, float t_min, const Filter& filter,
+                                         Nearest& best) {
   Hit hit;
   if (!intersect_triangle(shear, ray.origin, ray.direction, triangle_in(bvh, leaf, i), t_min, best.last, hit))
     return false;
   const std::uint32_t primitive = triangle_id(bvh, leaf, i);
   if (hit.t == best.last && primitive >= best.primitive) return false;
+  if (!filter(primitive, {hit.t, hit.u, hit.v})) return false;
   best.first = best.last = hit.t;
   best.u = hit.u;
   best.v = hit.v;
@@ -84,9 +113,9 @@ HWY_INLINE Side side_between(const LeafFloats& a, const LeafFloats& b, const Lea
 // Without fused multiplication and addition exact edge functions cost ten times as much as rounded ones.
 // So the triangles that a ray certainly passes are told from rounded ones, and the few others are decided one
 // by one in double precision. Returns whether `best` changed.
-template <bool any_hit>
+template <bool any_hit, class Filter>
 HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
-                                std::uint32_t begin, const Ray& ray, Nearest& best) {
+                                std::uint32_t begin, const Ray& ray, const Filter& filter, Nearest& best) {
   const std::uint32_t count = leaf.count();
   const float* rows = leaf_rows(bvh, leaf) + begin;
   const Sheared a = shear(constants, rows, count), b = shear(constants, rows + 3 * count, count),
@@ -101,7 +130,7 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
   bool changed = false;
   for (; rest != 0; rest &= rest - 1) {
     const std::uint32_t i = begin + static_cast<std::uint32_t>(std::countr_zero(rest));
-    changed |= intersect_one(constants.shear, bvh, leaf, i, ray, constants.t_min, best);
+    changed |= intersect_one(constants.shear, bvh, leaf, i, ray, constants.t_min, filter, best);
     if (any_hit && changed) return true;
   }
   return changed;
@@ -143,15 +172,18 @@ HWY_INLINE Hit settled_hit(const WideBvh& bvh, const Ray& ray, const Nearest& ne
 }
 
 // Triangle `i`, whose t may be less than that of `best` or not, or may lie before `t_min` or not. Of equal
-// ones the triangle with the lowest number is nearer.
+// ones the triangle with the lowest number is nearer. `filter` is asked last.
+template <class Filter>
 HWY_NOINLINE HWY_ATTR Nearest nearer_of(const WideBvh& bvh, ChildLink leaf, std::uint32_t i, const Ray& ray,
-                                        float t_min, Nearest best) {
-  const float t = hit_in_leaf(bvh, leaf, i, ray).t;
+                                        float t_min, const Filter& filter, Nearest best) {
+  const RayCrossing crossing = hit_in_leaf(bvh, leaf, i, ray);
+  const float t = crossing.t;
   if (!(t >= t_min)) return best;
   if (best.first != best.last)
     best.first = best.last = hit_in_leaf(bvh, ChildLink(best.link), best.lane, ray).t;
   const std::uint32_t primitive = triangle_id(bvh, leaf, i);
   if (t > best.first || (t == best.first && primitive >= best.primitive)) return best;
+  if (!filter(primitive, crossing)) return best;
   best.first = best.last = t;
   best.primitive = primitive;
   best.link = leaf.bits();
@@ -160,24 +192,26 @@ HWY_NOINLINE HWY_ATTR Nearest nearer_of(const WideBvh& bvh, ChildLink leaf, std:
 }
 
 // The triangles in `lanes` one by one: for the few that single precision leaves open.
+template <class Filter>
 HWY_NOINLINE HWY_ATTR Nearest intersect_one_by_one(const WideBvh& bvh, ChildLink leaf, std::uint32_t lanes,
-                                                   const Ray& ray, float t_min, Nearest best) {
+                                                   const Ray& ray, float t_min, const Filter& filter,
+                                                   Nearest best) {
   const RayShear shear(ray.direction);
   for (; lanes != 0; lanes &= lanes - 1) {
     const auto i = static_cast<std::uint32_t>(std::countr_zero(lanes));
     Hit hit;
     if (intersect_triangle(shear, ray.origin, ray.direction, triangle_in(bvh, leaf, i), t_min, best.last,
                            hit))
-      best = nearer_of(bvh, leaf, i, ray, t_min, best);
+      best = nearer_of(bvh, leaf, i, ray, t_min, filter, best);
   }
   return best;
 }
 
 // `intersect_triangle` on a group of triangles at once: the edge functions operation by operation, and t to
 // within bounds. Returns whether `best` changed; where any hit will do, that is all that `best` tells.
-template <bool any_hit>
+template <bool any_hit, class Filter>
 HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
-                                std::uint32_t begin, const Ray& ray, Nearest& best) {
+                                std::uint32_t begin, const Ray& ray, const Filter& filter, Nearest& best) {
   using Limits = SinglePrecision;
   const std::uint32_t count = leaf.count();
   const std::uint32_t* words = bvh.leaves.data() + words_per_triangle * leaf.first();
@@ -198,7 +232,7 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
   bool changed = false;
   if (HWY_UNLIKELY((candidates & ~trusted) != 0)) {
     const Nearest other =
-        intersect_one_by_one(bvh, leaf, (candidates & ~trusted) << begin, ray, constants.t_min, best);
+        intersect_one_by_one(bvh, leaf, (candidates & ~trusted) << begin, ray, constants.t_min, filter, best);
     changed = other.primitive != best.primitive;
     best = other;
     if (any_hit && changed) return true;
@@ -213,7 +247,7 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
   const LeafFloats first = t - error, last = t + error;
   const LeafFloats t_min = broadcast<leaf_group>(constants.t_min), t_max = broadcast<leaf_group>(best.last);
   const std::uint32_t after_start = less_or_equal(t_min, first);
-  if constexpr (any_hit) {
+  if constexpr (any_hit && !Filter::filters) {
     if ((candidates & trusted & after_start & less_or_equal(last, t_max)) != 0) {
       best.primitive = words[9 * count];
       return true;
@@ -227,7 +261,7 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
   store(last, lasts);
   for (; near != 0; near &= near - 1) {
     const auto i = static_cast<std::uint32_t>(std::countr_zero(near));
-    if (!any_hit && HWY_LIKELY(((after_start >> i & 1) != 0) & (lasts[i] < best.first))) {
+    if (!any_hit && !Filter::filters && HWY_LIKELY(((after_start >> i & 1) != 0) & (lasts[i] < best.first))) {
       best.first = firsts[i];
       best.last = lasts[i];
       best.primitive = ids[i];
@@ -237,7 +271,7 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
       continue;
     }
     if (firsts[i] > best.last) continue;
-    const Nearest other = nearer_of(bvh, leaf, begin + i, ray, constants.t_min, best);
+    const Nearest other = nearer_of(bvh, leaf, begin + i, ray, constants.t_min, filter, best);
     changed |= other.primitive != best.primitive;
     best = other;
     if (any_hit && changed) return true;
@@ -246,14 +280,14 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
 }
 #endif
 
-template <bool any_hit>
+template <bool any_hit, class Filter = NoFilter>
 HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
-                               const Ray& ray, Nearest& best) {
+                               const Ray& ray, Nearest& best, const Filter& filter = {}) {
   if constexpr (leaf_group == wide_leaf_triangles)
-    return intersect_group<any_hit>(constants, bvh, leaf, 0, ray, best);
+    return intersect_group<any_hit>(constants, bvh, leaf, 0, ray, filter, best);
   bool changed = false;
   for (std::uint32_t begin = 0; begin < leaf.count(); begin += leaf_group) {
-    changed |= intersect_group<any_hit>(constants, bvh, leaf, begin, ray, best);
+    changed |= intersect_group<any_hit>(constants, bvh, leaf, begin, ray, filter, best);
     if (any_hit && changed) return true;
   }
   return changed;

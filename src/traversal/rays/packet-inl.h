@@ -446,8 +446,9 @@ class Packet {
       best.primitive = primitive[k];
       best.link = link[k];
       best.lane = lane[k];
-      best = (trusted >> k & 1) ? nearer_of(bvh_, leaf, i, rays_[k], t_min[k], best)
-                                : intersect_one_by_one(bvh_, leaf, 1u << i, rays_[k], t_min[k], best);
+      best = (trusted >> k & 1)
+                 ? nearer_of(bvh_, leaf, i, rays_[k], t_min[k], NoFilter(), best)
+                 : intersect_one_by_one(bvh_, leaf, 1u << i, rays_[k], t_min[k], NoFilter(), best);
       const bool hit = best.primitive != primitive[k];
       changed |= hit;
       first[k] = any_hit && hit ? -1.0f : best.first;

@@ -45,6 +45,13 @@ void closest(const WideBvh& bvh, const Ray& ray, Hit& hit) {
 bool any(const WideBvh& bvh, const Ray& ray) {
   return static_cast<bool>(trace_any_ray<true, false>(bvh, ray, nullptr));
 }
+void closest_filtered(const WideBvh& bvh, const Ray& ray, void* context, bool (*accept)(void*, const Hit&),
+                      Hit& hit) {
+  write(trace_any_ray<false, false>(bvh, ray, nullptr, HitFilter{context, accept}), hit);
+}
+bool any_filtered(const WideBvh& bvh, const Ray& ray, void* context, bool (*accept)(void*, const Hit&)) {
+  return static_cast<bool>(trace_any_ray<true, false>(bvh, ray, nullptr, HitFilter{context, accept}));
+}
 Hit closest_counted(const WideBvh& bvh, const Ray& ray, TraversalCounters& counters) {
   return trace_any_ray<false, true>(bvh, ray, &counters);
 }

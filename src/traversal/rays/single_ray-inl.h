@@ -54,8 +54,8 @@ HWY_INLINE void step_next(const WideBvh& bvh, const NodeConstants& constants, st
 }
 
 // Traces a ray that `set_up` took, from the root on.
-template <bool any_hit, bool counting>
-HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& ray,
+template <bool any_hit, bool counting, class Filter>
+HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& ray, const Filter& filter,
                      TraversalCounters* counters) {
   if (!(caller_ray.t_min <= caller_ray.t_max)) return Hit{};
   Nearest best(std::min(caller_ray.t_max, std::numeric_limits<float>::max()));
@@ -95,7 +95,7 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
         ++counters->leaves;
         counters->triangle_tests += link.count();
       }
-      if (intersect_leaf<any_hit>(leaf_constants, bvh, link, caller_ray, best)) {
+      if (intersect_leaf<any_hit>(leaf_constants, bvh, link, caller_ray, best, filter)) {
         if constexpr (any_hit) return Hit{.primitive = best.primitive};
         t_best = box_vector(best.last);
       }
@@ -109,8 +109,9 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
 }
 
 // Traces a ray that has to be scaled before.
-template <bool any_hit, bool counting>
-HWY_NOINLINE HWY_ATTR Hit trace_prepared(const WideBvh& bvh, const Ray& ray, TraversalCounters* counters) {
+template <bool any_hit, bool counting, class Filter>
+HWY_NOINLINE HWY_ATTR Hit trace_prepared(const WideBvh& bvh, const Ray& ray, Filter filter,
+                                         TraversalCounters* counters) {
   const PreparedRay prepared(ray, is_far(far_side(ray.origin, bvh.bounds), bvh));
   if (!prepared.valid()) return Hit{};
   Ray scaled{.origin = prepared.origin,
@@ -119,14 +120,18 @@ HWY_NOINLINE HWY_ATTR Hit trace_prepared(const WideBvh& bvh, const Ray& ray, Tra
              .t_max = prepared.t_max};
   WideRay wide;
   if (!set_up<true>(scaled, bvh, wide)) return Hit{};
-  if (!prepared.has_subnormal_end(ray)) {
-    Hit hit = trace<any_hit, counting>(bvh, scaled, wide, counters);
+  if constexpr (Filter::filters) {
+    filter.prepared = &prepared;
+    filter.caller = &ray;
+  }
+  if (Filter::filters || !prepared.has_subnormal_end(ray)) {
+    Hit hit = trace<any_hit, counting>(bvh, scaled, wide, filter, counters);
     if (hit) hit.t = prepared.unscaled(hit.t);
     return hit;
   }
   // The range that is traced holds every t which rounds into the caller's, and a few more.
   while (true) {
-    Hit hit = trace<false, counting>(bvh, scaled, wide, counters);
+    Hit hit = trace<false, counting>(bvh, scaled, wide, filter, counters);
     if (!hit) return Hit{};
     const float t = prepared.unscaled(hit.t);
     if (t > ray.t_max) return Hit{};
@@ -139,11 +144,13 @@ HWY_NOINLINE HWY_ATTR Hit trace_prepared(const WideBvh& bvh, const Ray& ray, Tra
   }
 }
 
-template <bool any_hit, bool counting>
-HWY_INLINE Hit trace_any_ray(const WideBvh& bvh, const Ray& ray, TraversalCounters* counters) {
+template <bool any_hit, bool counting, class Filter = NoFilter>
+HWY_INLINE Hit trace_any_ray(const WideBvh& bvh, const Ray& ray, TraversalCounters* counters,
+                             const Filter& filter = {}) {
   WideRay wide;
-  if (HWY_UNLIKELY(!set_up(ray, bvh, wide))) return trace_prepared<any_hit, counting>(bvh, ray, counters);
-  return trace<any_hit, counting>(bvh, ray, wide, counters);
+  if (HWY_UNLIKELY(!set_up(ray, bvh, wide)))
+    return trace_prepared<any_hit, counting>(bvh, ray, filter, counters);
+  return trace<any_hit, counting>(bvh, ray, wide, filter, counters);
 }
 
 }  // namespace
