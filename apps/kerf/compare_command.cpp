@@ -12,6 +12,7 @@ struct Options {
   std::vector<std::string> scenes;
   std::string builders = builder_names(",", ",");
   std::string alpha = "1e-5";
+  std::string device = "cpu";
   MeasureOptions measuring;
 };
 
@@ -20,6 +21,7 @@ void run(const Options& options, const std::string& command_line) {
                           .contenders = {},
                           .options = options.measuring,
                           .command_line = command_line,
+                          .device = options.device,
                           .format_table = workbench::format_comparison};
   const float alpha = parse_alpha("--alpha", options.alpha);
   for (const kerf::BuilderInfo& info : parse_builders("--builders", options.builders)) {
@@ -40,6 +42,11 @@ void add_compare_command(CLI::App& app, const std::string& command_line) {
       ->capture_default_str();
   command->add_option("--alpha", options->alpha, "Overlap above which a spatial split is tried, from 0 to 1")
       ->type_name("A")
+      ->capture_default_str();
+  command
+      ->add_option("--device", options->device,
+                   "What traces: cpu, or cuda for an NVIDIA GPU, which traces a binary and a wide tree")
+      ->type_name("DEVICE")
       ->capture_default_str();
   add_options(*command, options->measuring);
   command->callback([options, command_line] { run(*options, command_line); });

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <memory>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include <unistd.h>
 
 #include "arguments.hpp"
+#include "device.hpp"
 #include "output.hpp"
 #include "workbench/compare/json.hpp"
 #include "workbench/terminal/progress.hpp"
@@ -24,6 +26,9 @@ using namespace workbench;
 constexpr unsigned min_rounds = 3;
 constexpr unsigned max_rounds = 1000;
 
+// Of each viewpoint: a device with thousands of cores is idle with fewer.
+constexpr RaySetOptions device_rays{.width = 1024, .height = 768};
+
 // The checked options of a measurement.
 struct Plan {
   CompareOptions compare;
@@ -33,14 +38,20 @@ struct Plan {
   bool print_tables = true;
 };
 
-Plan check(const MeasureOptions& given) {
+Plan check(const MeasureOptions& given, bool on_device) {
   Plan plan;
+  if (on_device && !given.report.empty())
+    throw CLI::ValidationError("--report", "shows what the CPU traces, which --device excludes");
   plan.json = given.json;
   plan.report = given.report;
   plan.print_tables = given.json != standard_output;
   plan.compare.threads = parse_whole("--threads", given.threads, 0, max_threads);
-  const PictureSize pixels = parse_size("--pixels", given.pixels);
-  plan.compare.rays = {.width = pixels.width, .height = pixels.height};
+  if (!given.pixels.empty()) {
+    const PictureSize pixels = parse_size("--pixels", given.pixels);
+    plan.compare.rays = {.width = pixels.width, .height = pixels.height};
+  } else if (on_device) {
+    plan.compare.rays = device_rays;
+  }
   if (!given.rounds.empty()) {
     plan.compare.rounds = parse_whole("--rounds", given.rounds, min_rounds, max_rounds);
     plan.compare.seconds_per_type = 0.0;
@@ -110,9 +121,11 @@ void add_options(CLI::App& command, MeasureOptions& options) {
                   "Threads that build; 0 is all there are. Rays are timed on one")
       ->type_name("N")
       ->capture_default_str();
-  command.add_option("--pixels", options.pixels, "WIDTHxHEIGHT of each viewpoint, one primary ray per pixel")
-      ->type_name("WxH")
-      ->capture_default_str();
+  command
+      .add_option("--pixels", options.pixels,
+                  "WIDTHxHEIGHT of each viewpoint, one primary ray per pixel; if not given, 256x192, on a "
+                  "device 1024x768")
+      ->type_name("WxH");
   command
       .add_option("--rounds", options.rounds,
                   "Rounds of timing; if not given, at least three, for a second or more")
@@ -129,7 +142,9 @@ void add_options(CLI::App& command, MeasureOptions& options) {
 }
 
 void measure_and_write(const Measurement& measurement) {
-  const Plan plan = check(measurement.options);
+  const std::unique_ptr<TracingDevice> device = open_device(measurement.device);
+  Plan plan = check(measurement.options, device != nullptr);
+  plan.compare.device = device.get();
   const std::vector<Scene> scenes = load_scenes(measurement.specs);
   const std::vector<ReportScene> measured = measure(measurement, plan, scenes);
   write(measurement, plan, measured);

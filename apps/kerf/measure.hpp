@@ -15,7 +15,7 @@ namespace kerf_tool {
 /// The options that `compare` and `sweep` share, as the user wrote them.
 struct MeasureOptions {
   std::string threads = "0";
-  std::string pixels = "256x192";
+  std::string pixels;  ///< empty: those of `RaySetOptions`, or on a device enough to fill it
   std::string rounds;  ///< empty: as many as are needed
   std::string pictures = "640x400";
   std::string json;    ///< file, `-` for standard output, or empty for none
@@ -30,6 +30,7 @@ struct Measurement {
   MeasureOptions options;
   workbench::Report::Kind kind = workbench::Report::Kind::comparison;
   std::string command_line;
+  std::string device = "cpu";  ///< that traces: one of `tracing_devices`
   std::string (*format_table)(const workbench::SceneFigures&, workbench::Emphasis) = nullptr;
 };
 

@@ -5,11 +5,13 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <numeric>
 
 #include <fmt/format.h>
 #include <kerf/inspect.hpp>
 
+#include "workbench/compare/device.hpp"
 #include "workbench/compare/equal_references.hpp"
 #include "workbench/compare/measures.hpp"
 #include "workbench/compare/trace.hpp"
@@ -23,6 +25,11 @@ using Clock = std::chrono::steady_clock;
 // a busy machine then adds little to the time of a build, compared with that time.
 constexpr unsigned build_rounds = 3;
 constexpr double long_round = 10.0;
+
+// A device disturbs its own timing less than other programs disturb that of a core: it is timed for this part
+// of the seconds. A call takes `min_call` or more, whatever the device's clock says.
+constexpr double device_share = 0.1;
+constexpr double min_call = 1e-5;
 
 // Where the stages end on the progress bar, roughly.
 constexpr double first_build_end = 0.3;  // the measures of the trees included
@@ -70,11 +77,18 @@ class Measurement {
     contenders_ = with_equal_references(mesh_, contenders, options.threads);
     result_.figures.name = scene.name;
     result_.figures.triangles = mesh_.triangles.size();
+    if (options.device != nullptr) {
+      result_.figures.device = options.device->name();
+      structures_ = options.device->structures();
+    }
     for (const Contender& contender : contenders_) {
-      BuilderFigures& figures = result_.figures.builders.emplace_back();
-      figures.name = contender.name;
-      figures.alpha = contender.options.alpha;
-      figures.build_ms = std::numeric_limits<double>::infinity();
+      for (const std::string& structure : structures_) {
+        BuilderFigures& figures = result_.figures.builders.emplace_back();
+        figures.name = contender.name;
+        figures.structure = structure;
+        figures.alpha = contender.options.alpha;
+        figures.build_ms = std::numeric_limits<double>::infinity();
+      }
     }
   }
 
@@ -106,26 +120,46 @@ class Measurement {
     kerf::Bvh bvh = kerf::make_bvh(tree);
     seconds += seconds_since(start);
     build_seconds_ += seconds;
-    BuilderFigures& figures = result_.figures.builders[i];
-    figures.build_ms = std::min(figures.build_ms, 1e3 * seconds);
+    for (BuilderFigures& figures : figures_of(i))
+      figures.build_ms = std::min(figures.build_ms, 1e3 * seconds);
     return bvh;
   }
 
+  // Of contender `i`: one for each structure that is traced.
+  std::span<BuilderFigures> figures_of(std::size_t i) {
+    return std::span(result_.figures.builders).subspan(i * structures_.size(), structures_.size());
+  }
+
   void build_first(std::size_t i) {
-    BuilderFigures& figures = result_.figures.builders[i];
+    const std::span<BuilderFigures> rows = figures_of(i);
     const double step = first_build_end / static_cast<double>(contenders_.size());
-    report(step * static_cast<double>(i), "build " + figures.name);
+    report(step * static_cast<double>(i), "build " + rows[0].name);
     const kerf::Bvh bvh = build(i, [&](const kerf::Tree& tree) {
-      report(step * (static_cast<double>(i) + 0.5), "measure " + figures.name);
+      report(step * (static_cast<double>(i) + 0.5), "measure " + rows[0].name);
       result_.figures.degenerate_triangles = tree.degenerate_triangles();
-      figures.sah = surface_area_cost(tree);
-      figures.epo = end_point_overlap(tree);
-      figures.lcv = leaf_count_variability(tree);
+      rows[0].sah = surface_area_cost(tree);
+      rows[0].epo = end_point_overlap(tree);
+      rows[0].lcv = leaf_count_variability(tree);
+      for (std::size_t structure = 0; options_.device != nullptr && structure < rows.size(); ++structure)
+        uploaded_.push_back(options_.device->upload(tree, structure));
     });
-    figures.references = bvh.statistics().references;
-    figures.nodes = bvh.statistics().nodes;
-    figures.bytes = bvh.statistics().bytes;
-    result_.hierarchies.push_back(bvh);
+    for (std::size_t structure = 0; structure < rows.size(); ++structure) {
+      BuilderFigures& figures = rows[structure];
+      figures.sah = rows[0].sah;
+      figures.epo = rows[0].epo;
+      figures.lcv = rows[0].lcv;
+      if (options_.device != nullptr) {
+        const DeviceHierarchy& uploaded = *uploaded_[i * rows.size() + structure];
+        figures.references = uploaded.references();
+        figures.nodes = uploaded.nodes();
+        figures.bytes = uploaded.bytes();
+      } else {
+        figures.references = bvh.statistics().references;
+        figures.nodes = bvh.statistics().nodes;
+        figures.bytes = bvh.statistics().bytes;
+      }
+      result_.hierarchies.push_back(bvh);
+    }
   }
 
   void trace(RayType type) {
@@ -133,35 +167,60 @@ class Measurement {
     report(builds_end + (1.0 - builds_end) * static_cast<double>(place) / std::size(ray_types),
            fmt::format("trace {} rays", title(type)));
     const RaySet set = make_rays(scene_, result_.hierarchies.front(), type, options_.rays);
-    std::vector<kerf::Hit> first_hits;
-    for (std::size_t i = 0; i < contenders_.size(); ++i) {
-      BuilderFigures& figures = result_.figures.builders[i];
-      CountedPass pass = trace_counted(result_.hierarchies[i], set, options_.threads);
-      const double per_ray = set.rays.empty() ? 0.0 : 1.0 / static_cast<double>(set.rays.size());
-      figures.rays[place] = {.count = set.rays.size(),
-                             .hits = pass.hit_count,
-                             .steps = per_ray * static_cast<double>(pass.steps),
-                             .triangle_tests = per_ray * static_cast<double>(pass.triangle_tests)};
-      if (i == 0)
-        first_hits = std::move(pass.hits);
-      else
-        figures.disagreements += count_differences(pass.hits, first_hits);
+    // A device's hits must be those of the CPU.
+    std::vector<kerf::Hit> expected;
+    if (options_.device != nullptr) {
+      options_.device->set_rays(set);
+      expected = trace_counted(result_.hierarchies.front(), set, options_.threads).hits;
     }
-    const std::vector<double> seconds = time_hierarchies(
-        result_.hierarchies, set, {.rounds = options_.rounds, .seconds = options_.seconds_per_type});
-    for (std::size_t i = 0; i < contenders_.size(); ++i) {
-      if (!set.rays.empty()) {
-        result_.figures.builders[i].rays[place].mrays_per_s =
-            1e-6 * static_cast<double>(set.rays.size()) / seconds[i];
+    std::vector<BuilderFigures>& builders = result_.figures.builders;
+    for (std::size_t i = 0; i < builders.size(); ++i) {
+      CountedPass pass = options_.device != nullptr
+                             ? uploaded_[i]->trace_counted()
+                             : trace_counted(result_.hierarchies[i], set, options_.threads);
+      const double per_ray = set.rays.empty() ? 0.0 : 1.0 / static_cast<double>(set.rays.size());
+      builders[i].rays[place] = {.count = set.rays.size(),
+                                 .hits = pass.hit_count,
+                                 .steps = per_ray * static_cast<double>(pass.steps),
+                                 .triangle_tests = per_ray * static_cast<double>(pass.triangle_tests)};
+      if (i == 0 && options_.device == nullptr)
+        expected = std::move(pass.hits);
+      else
+        builders[i].disagreements += count_differences(pass.hits, expected);
+    }
+    if (set.rays.empty()) return;
+    const std::vector<double> seconds = options_.device != nullptr ? time_on_device() : time_here(set);
+    for (std::size_t i = 0; i < builders.size(); ++i)
+      builders[i].rays[place].mrays_per_s = 1e-6 * static_cast<double>(set.rays.size()) / seconds[i];
+  }
+
+  std::vector<double> time_here(const RaySet& set) const {
+    return time_hierarchies(result_.hierarchies, set,
+                            {.rounds = options_.rounds, .seconds = options_.seconds_per_type});
+  }
+
+  // Round after round, each hierarchy in turn; the best time of each counts.
+  std::vector<double> time_on_device() const {
+    std::vector<double> best(uploaded_.size(), std::numeric_limits<double>::infinity());
+    double total = 0.0;
+    for (unsigned round = 0; round < options_.rounds || total < device_share * options_.seconds_per_type;
+         ++round) {
+      for (std::size_t i = 0; i < uploaded_.size(); ++i) {
+        const double seconds = uploaded_[i]->time();
+        best[i] = std::min(best[i], seconds);
+        total += std::max(seconds, min_call);
       }
     }
+    return best;
   }
 
   const Scene& scene_;
   const CompareOptions& options_;
   const kerf::TriangleMesh mesh_;
   std::vector<Contender> contenders_;
+  std::vector<std::string> structures_ = {""};
   Comparison result_;
+  std::vector<std::unique_ptr<DeviceHierarchy>> uploaded_;  // one for each row of figures
   double build_seconds_ = 0.0;
 };
 

@@ -28,12 +28,13 @@ struct RayFigures {
   std::size_t hits = 0;
   double steps = 0.0;           ///< inner-node visits per ray
   double triangle_tests = 0.0;  ///< triangle tests per ray
-  double mrays_per_s = 0.0;     ///< on one thread, interleaved with the other hierarchies (see `time_slices`)
+  double mrays_per_s = 0.0;     ///< on one thread (see `time_slices`) or on the device, the builders in turn
 };
 
 /// What one contender built, and its measures.
 struct BuilderFigures {
   std::string name;
+  std::string structure = {};  ///< the form of the tree that a device traces; empty on the CPU
   float alpha = 0.0f;
   double build_ms = 0.0;  ///< best of the rounds; esc and evh include the search for their threshold
   double sah = 0.0;
@@ -48,6 +49,7 @@ struct BuilderFigures {
 
 struct SceneFigures {
   std::string name;
+  std::string device = {};  ///< that traced; empty for the CPU
   std::size_t triangles = 0;
   std::size_t degenerate_triangles = 0;
   std::vector<BuilderFigures> builders;  ///< in the order of the contenders
@@ -55,17 +57,20 @@ struct SceneFigures {
   std::size_t disagreements() const;
 };
 
+class TracingDevice;
+
 struct CompareOptions {
-  unsigned threads = 0;           ///< that build and count, 0 for all there are; rays are timed on one
-  RaySetOptions rays = {};        ///< size of each viewpoint's picture
-  unsigned rounds = 3;            ///< of timing, at least
+  TracingDevice* device = nullptr;  ///< that traces in place of the CPU, each tree in each of its structures
+  unsigned threads = 0;             ///< that build and count, 0 for all there are; rays are timed on one
+  RaySetOptions rays = {};          ///< size of each viewpoint's picture
+  unsigned rounds = 3;              ///< of timing, at least
   double seconds_per_type = 1.0;  ///< more rounds follow until all hierarchies together traced for this long
 
   /// Called with the fraction of the work that is done and a word for what comes next. Must not throw.
   std::function<void(double fraction, std::string_view what)> progress = {};
 };
 
-/// Figures, and the hierarchies that they belong to.
+/// Figures, and the hierarchies of the CPU that they belong to.
 struct Comparison {
   SceneFigures figures;
   std::vector<kerf::Bvh> hierarchies = {};

@@ -26,17 +26,19 @@ Json to_json(const BuilderFigures& builder) {
   for (std::size_t type = 0; type < std::size(ray_types); ++type) {
     rays[std::string(name(ray_types[type]))] = to_json(builder.rays[type]);
   }
-  return {{"name", builder.name},
-          {"alpha", same_decimal(builder.alpha)},
-          {"build_ms", builder.build_ms},
-          {"sah", builder.sah},
-          {"epo", builder.epo},
-          {"lcv", builder.lcv},
-          {"references", builder.references},
-          {"nodes", builder.nodes},
-          {"bytes", builder.bytes},
-          {"disagreements", builder.disagreements},
-          {"rays", std::move(rays)}};
+  Json json{{"name", builder.name}};
+  if (!builder.structure.empty()) json["structure"] = builder.structure;
+  json.update(Json{{"alpha", same_decimal(builder.alpha)},
+                   {"build_ms", builder.build_ms},
+                   {"sah", builder.sah},
+                   {"epo", builder.epo},
+                   {"lcv", builder.lcv},
+                   {"references", builder.references},
+                   {"nodes", builder.nodes},
+                   {"bytes", builder.bytes},
+                   {"disagreements", builder.disagreements},
+                   {"rays", std::move(rays)}});
+  return json;
 }
 
 }  // namespace
@@ -48,7 +50,10 @@ nlohmann::ordered_json to_json(std::span<const SceneFigures> scenes, std::string
     for (const BuilderFigures& builder : scene.builders) builders.push_back(to_json(builder));
     list.push_back({{"name", scene.name}, {"triangles", scene.triangles}, {"builders", std::move(builders)}});
   }
-  return {{"kerf", version}, {"scenes", std::move(list)}};
+  Json json{{"kerf", version}};
+  if (!scenes.empty() && !scenes[0].device.empty()) json["device"] = scenes[0].device;
+  json["scenes"] = std::move(list);
+  return json;
 }
 
 }  // namespace workbench

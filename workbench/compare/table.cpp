@@ -17,7 +17,13 @@ std::string heading(const SceneFigures& scene) {
   if (scene.degenerate_triangles != 0) {
     text += fmt::format(", {} of them degenerate and left out", format_count(scene.degenerate_triangles));
   }
+  if (!scene.device.empty()) text += fmt::format("; traced by {}", scene.device);
   return text + "\n";
+}
+
+// What a row is called.
+std::string label(const BuilderFigures& builder) {
+  return builder.structure.empty() ? builder.name : builder.name + " " + builder.structure;
 }
 
 // A column of figures, the best of them marked, and a column of their ratios to the first.
@@ -37,15 +43,18 @@ void append_measured(std::vector<Column>& columns, std::string_view head, const 
 // Of the same width in every table of a scene, so that the columns are aligned.
 Column name_column(const SceneFigures& scene, std::string_view head) {
   Column column{.head = fmt::format("{:<18}", head), .cells = {}, .left_aligned = true, .gap = "  "};
-  for (const BuilderFigures& builder : scene.builders) column.cells.push_back({builder.name});
+  for (const BuilderFigures& builder : scene.builders) column.cells.push_back({label(builder)});
   return column;
 }
 
 std::string verdict(const SceneFigures& scene) {
-  if (scene.builders.size() < 2) return "";
-  if (scene.disagreements() == 0) return "  The hits of all agree, ray for ray.\n";
+  if (scene.builders.size() < 2 && scene.device.empty()) return "";
+  const bool here = scene.device.empty();
+  if (scene.disagreements() == 0) {
+    return fmt::format("  The hits of all agree{}, ray for ray.\n", here ? "" : " with those of the CPU");
+  }
   return fmt::format("  {} HITS DIFFER from those of {}.\n", format_count(scene.disagreements()),
-                     scene.builders.front().name);
+                     here ? scene.builders.front().name : "the CPU");
 }
 
 // Eighths of a block let bars of twelve characters show differences of one percent.

@@ -103,6 +103,30 @@ KERF_CUDA_INLINE float maximum(float a, float b) {
 #endif
 }
 
+// The extremes of numbers of which one at least is not negative, compared as the integers of their bits:
+// these stand in the same order, and the device takes the extreme of three in one instruction. Where the
+// result is negative, it may be another negative one of the three.
+KERF_CUDA_INLINE float largest_of(float a, float b, float c) {
+  const auto x = static_cast<std::int32_t>(as_bits(a)), y = static_cast<std::int32_t>(as_bits(b)),
+             z = static_cast<std::int32_t>(as_bits(c));
+#ifdef __CUDA_ARCH__
+  return as_float(static_cast<std::uint32_t>(__vimax3_s32(x, y, z)));
+#else
+  const std::int32_t largest = x > y ? x : y;
+  return as_float(static_cast<std::uint32_t>(largest > z ? largest : z));
+#endif
+}
+KERF_CUDA_INLINE float smallest_of(float a, float b, float c) {
+  const auto x = static_cast<std::int32_t>(as_bits(a)), y = static_cast<std::int32_t>(as_bits(b)),
+             z = static_cast<std::int32_t>(as_bits(c));
+#ifdef __CUDA_ARCH__
+  return as_float(static_cast<std::uint32_t>(__vimin3_s32(x, y, z)));
+#else
+  const std::int32_t smallest = x < y ? x : y;
+  return as_float(static_cast<std::uint32_t>(smallest < z ? smallest : z));
+#endif
+}
+
 KERF_CUDA_INLINE float absolute(float x) {
   return as_float(as_bits(x) & 0x7fffffffu);
 }
@@ -117,6 +141,17 @@ KERF_CUDA_INLINE T standard_max(T a, T b) {
 template <class T>
 KERF_CUDA_INLINE T standard_min(T a, T b) {
   return b < a ? b : a;
+}
+
+/// 1 / x for an x that is neither tiny nor huge, to two units of 2^-24.
+KERF_CUDA_INLINE float near_reciprocal(float x) {
+#ifdef __CUDA_ARCH__
+  float result;
+  asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(x));
+  return result;
+#else
+  return 1.0f / x;
+#endif
 }
 
 // Of the highest bit that is set; there must be one.

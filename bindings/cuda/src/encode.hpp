@@ -14,6 +14,9 @@ struct EncodedBinary {
   SceneBounds bounds;
 };
 
+DeviceTriangle device_triangle(const SourceTriangle& triangle);
+SceneBounds scene_bounds(const Box3f& box);
+
 /// Leaves of up to eight references stay as they are.
 EncodedBinary encode_binary(const SourceTree& tree);
 

@@ -16,13 +16,14 @@ struct alignas(32) SceneBounds {
   float lower[3], upper[3];
 };
 
-/// Along each axis, the ray enters between two planes at `lower * inverse + to_lower` and leaves at `upper *
-/// inverse + to_upper`, or the other way round where it runs against the axis. The two constants carry the
-/// origin and the margin by which boxes are in effect grown. In units of 2^-24, with D the largest distance
+/// Along each axis the ray enters at `lower * forward + upper * backward + enter` and leaves at `upper *
+/// forward + lower * backward + leave`: of the two factors one is the inverse of the direction and the other
+/// 0, so that no plane must be chosen. `enter` and `leave` carry the origin and the margin by which boxes are
+/// in effect grown. In units of 2^-24, with D the largest distance
 /// along an axis from the origin to the scene's far side and O the origin's largest coordinate:
 ///
 ///     the shear of a triangle's vertices      6 D     (a difference, a quotient, a product, a difference)
-///     inverse, the plane's distance           2 D
+///     inverse, the plane's distance           3 D
 ///     the triangle's t                       144 D     (24 times the shear)
 ///     a node's corner, then its planes        2 D     (fused, each rounded once)
 ///     origin times inverse, the constants             2 O
@@ -30,7 +31,29 @@ struct alignas(32) SceneBounds {
 struct BoxConstants {
   static constexpr float margin_of_distance = 160.0f, margin_of_origin = 4.0f;
 
-  float inverse[3], enter[3], leave[3];
+  float forward[3], backward[3], enter[3], leave[3];
+
+  /// Whether the ray meets the box in [t_min, t_max], 0 <= t_min, and from where on.
+  KERF_CUDA_INLINE bool meet(const Words4& xy, std::uint32_t lower_z, std::uint32_t upper_z, float t_min,
+                             float t_max, float& entered) const {
+    const float first_x = entry(0, as_float(xy.x), as_float(xy.y)),
+                first_y = entry(1, as_float(xy.z), as_float(xy.w)),
+                first_z = entry(2, as_float(lower_z), as_float(upper_z));
+    const float last_x = exit(0, as_float(xy.x), as_float(xy.y)),
+                last_y = exit(1, as_float(xy.z), as_float(xy.w)),
+                last_z = exit(2, as_float(lower_z), as_float(upper_z));
+    entered = maximum(largest_of(first_x, first_y, first_z), t_min);
+    return entered <= minimum(smallest_of(last_x, last_y, last_z), t_max);
+  }
+
+ private:
+  // The product with 0 is exact, so that each is rounded once.
+  KERF_CUDA_INLINE float entry(int axis, float lower, float upper) const {
+    return fused_multiply_add(lower, forward[axis], fused_multiply_add(upper, backward[axis], enter[axis]));
+  }
+  KERF_CUDA_INLINE float exit(int axis, float lower, float upper) const {
+    return fused_multiply_add(upper, forward[axis], fused_multiply_add(lower, backward[axis], leave[axis]));
+  }
 };
 
 /// A ray's frame, see `RayShear`: the axis on which its direction is largest becomes z.
@@ -50,13 +73,18 @@ KERF_CUDA_INLINE Frame frame_of(const Vec3f& d) {
   return {kz, swapped, (swapped ? dy : dx) / dz, (swapped ? dx : dy) / dz, dz};
 }
 
+/// A frame without the change of places, which only turns the signs of all edge functions.
+struct Shear {
+  std::uint32_t axis_z;
+  float x, y;
+};
+
 struct TracedRay {
   const Ray* source;  // as the caller gave it
   float origin[3];
   float t_min, t_max;
-  std::uint32_t octant;  // bit a: negative along axis a
   BoxConstants boxes;
-  Frame frame;
+  Shear shear;
   float inverse_dz;
   float error_unit;  // see `ErrorOfT`
   float min_value;   // of an edge function that single precision decides; infinite for a scene so large that
@@ -136,23 +164,23 @@ KERF_CUDA_INLINE bool prepare(const Ray& ray, const SceneBounds* bounds, TracedR
   const float margin =
       0x1p-24f * (BoxConstants::margin_of_distance * distance + BoxConstants::margin_of_origin * coordinate);
   const float smallest = 0x1p-26f * largest;  // moves the ray by no more than a quarter of a unit of D
-  out.octant = 0;
   for (int axis = 0; axis < 3; ++axis) {
     out.origin[axis] = o[axis];
-    const float positive = 1.0f / maximum(absolute(d[axis]), smallest);
+    const float positive = near_reciprocal(maximum(absolute(d[axis]), smallest));
     const std::uint32_t sign = as_bits(d[axis]) & 0x80000000u;
-    out.octant |= (sign >> 31) << axis;
     const float inverse = as_float(as_bits(positive) | sign);
     const float product = o[axis] * inverse, grown = margin * positive;
     // Where distances along an axis might leave the range of a float, that axis rules nothing out.
     const bool told = (distance + coordinate) * positive < 0x1p120f;
-    out.boxes.inverse[axis] = told ? inverse : as_float(sign);
+    out.boxes.forward[axis] = told && sign == 0 ? inverse : 0.0f;
+    out.boxes.backward[axis] = told && sign != 0 ? inverse : 0.0f;
     out.boxes.enter[axis] = told ? -product - grown : -FLT_MAX;
     out.boxes.leave[axis] = told ? grown - product : FLT_MAX;
   }
 
-  out.frame = frame_of({d[0], d[1], d[2]});
-  out.inverse_dz = 1.0f / out.frame.dz;
+  const Frame frame = frame_of({d[0], d[1], d[2]});
+  out.shear = {frame.axis_z, frame.swapped ? frame.sy : frame.sx, frame.swapped ? frame.sx : frame.sy};
+  out.inverse_dz = near_reciprocal(frame.dz);
   out.error_unit = 0x1p-24f * distance * absolute(out.inverse_dz);
   out.min_value = distance < 0x1p36f ? 0x1p-60f : as_float(0x7f800000u);
   return true;

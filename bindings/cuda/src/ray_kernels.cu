@@ -27,8 +27,8 @@ __global__ void __launch_bounds__(block)
   if (i >= count) return;
   BinaryTraversal<any_hit, false, true> traversal;
   if (!trace(hierarchy, rays[i], traversal)) return;
-  atomicAdd(&totals->nodes, traversal.counters.nodes);
-  atomicAdd(&totals->triangles, traversal.counters.triangles);
+  atomicAdd(&totals->nodes, traversal.search.counters.nodes);
+  atomicAdd(&totals->triangles, traversal.search.counters.triangles);
 }
 
 unsigned blocks_for(std::size_t rays) {

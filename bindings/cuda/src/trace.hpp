@@ -47,13 +47,13 @@ KERF_CUDA_INLINE Hit named(const Ray& ray, const DeviceTriangle* triangles, cons
 }
 
 /// Traces one ray from beginning to end. False, and nothing traced, for a ray that can hit nothing.
-template <class Traversal>
-KERF_CUDA_INLINE bool trace(const BinaryHierarchy& hierarchy, const Ray& ray, Traversal& traversal) {
+template <class Hierarchy, class Traversal>
+KERF_CUDA_INLINE bool trace(const Hierarchy& hierarchy, const Ray& ray, Traversal& traversal) {
   TracedRay traced;
   if (!prepare(ray, hierarchy.bounds, traced)) return false;
-  traversal.start(hierarchy, traced);
   typename Traversal::Stack stack;
-  while (traversal.step(hierarchy, traced, stack)) {
+  traversal.start(hierarchy, traced, stack);
+  while (traversal.step(hierarchy, traced)) {
   }
   return true;
 }
@@ -61,30 +61,34 @@ KERF_CUDA_INLINE bool trace(const BinaryHierarchy& hierarchy, const Ray& ray, Tr
 /// The nearest hit of one of the few rays for which single precision leaves it open between `nearest` and
 /// `rival`, or more. Out of line, as all that needs double precision is: it would leave no registers to the
 /// traversal.
-template <bool any_hit>
-KERF_CUDA_NOINLINE NearestHit decide(BinaryHierarchy hierarchy, const Ray* ray, std::uint32_t rival,
+template <class ExactTraversal, class Hierarchy>
+KERF_CUDA_NOINLINE NearestHit decide(Hierarchy hierarchy, const Ray* ray, std::uint32_t rival,
                                      NearestHit nearest) {
   if (rival != invalid_id) return nearer_of(ray, hierarchy.triangles, rival, nearest);
-  BinaryTraversal<any_hit, true> traversal;
+  ExactTraversal traversal;
   trace(hierarchy, *ray, traversal);
-  return traversal.nearest;
+  return traversal.search.nearest;
 }
 
-KERF_CUDA_INLINE Hit trace_closest(const BinaryHierarchy& hierarchy, const MeshTable& meshes,
-                                   const Ray& ray) {
-  BinaryTraversal<false> traversal;
+template <template <bool, bool, bool> class Traversal = BinaryTraversal, class Hierarchy>
+KERF_CUDA_INLINE Hit trace_closest(const Hierarchy& hierarchy, const MeshTable& meshes, const Ray& ray) {
+  Traversal<false, false, false> traversal;
   if (!trace(hierarchy, ray, traversal)) return Hit{};
-  if (traversal.open())
-    traversal.nearest = decide<false>(hierarchy, &ray, traversal.rival(), traversal.nearest);
-  return named(ray, hierarchy.triangles, traversal.nearest, meshes);
+  auto& search = traversal.search;
+  if (search.open()) {
+    search.nearest = decide<Traversal<false, true, false>>(hierarchy, &ray, search.rival(), search.nearest);
+  }
+  return named(ray, hierarchy.triangles, search.nearest, meshes);
 }
 
-KERF_CUDA_INLINE bool trace_any(const BinaryHierarchy& hierarchy, const Ray& ray) {
-  BinaryTraversal<true> traversal;
+template <template <bool, bool, bool> class Traversal = BinaryTraversal, class Hierarchy>
+KERF_CUDA_INLINE bool trace_any(const Hierarchy& hierarchy, const Ray& ray) {
+  Traversal<true, false, false> traversal;
   if (!trace(hierarchy, ray, traversal)) return false;
-  if (traversal.open())
-    traversal.nearest = decide<true>(hierarchy, &ray, traversal.rival(), traversal.nearest);
-  return traversal.nearest.found();
+  auto& search = traversal.search;
+  if (search.open())
+    search.nearest = decide<Traversal<true, true, false>>(hierarchy, &ray, search.rival(), search.nearest);
+  return search.nearest.found();
 }
 
 }  // namespace kerf::cuda

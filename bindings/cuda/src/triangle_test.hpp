@@ -28,14 +28,19 @@ struct ShearedCorner {
   float x, y, z;
 };
 
-KERF_CUDA_INLINE ShearedCorner shear(const Frame& frame, const Vec3f& origin, const Vec3f& corner) {
+KERF_CUDA_INLINE ShearedCorner sheared(const Shear& shear, const Vec3f& origin, const Vec3f& corner) {
   const float x = corner.x - origin.x, y = corner.y - origin.y, z = corner.z - origin.z;
-  const std::uint32_t k = frame.axis_z;
+  const std::uint32_t k = shear.axis_z;
   const float along = k == 0 ? x : k == 1 ? y : z;
   const float next = k == 0 ? y : k == 1 ? z : x;
   const float after_next = k == 0 ? z : k == 1 ? x : y;
-  return {(frame.swapped ? after_next : next) - frame.sx * along,
-          (frame.swapped ? next : after_next) - frame.sy * along, along};
+  return {next - shear.x * along, after_next - shear.y * along, along};
+}
+KERF_CUDA_INLINE ShearedCorner shear(const Frame& frame, const Vec3f& origin, const Vec3f& corner) {
+  const bool swapped = frame.swapped;
+  const ShearedCorner c =
+      sheared({frame.axis_z, swapped ? frame.sy : frame.sx, swapped ? frame.sx : frame.sy}, origin, corner);
+  return swapped ? ShearedCorner{c.y, c.x, c.z} : c;
 }
 
 // a * b - c * d with the right sign (Kahan's algorithm; Jeannerod, Louvet & Muller 2013).
@@ -150,15 +155,6 @@ KERF_CUDA_NOINLINE NearestHit nearer_of(const Ray* ray, const DeviceTriangle* tr
   return {t, t, place};
 }
 
-/// 1 / x for an x that is neither tiny nor huge, to two units of 2^-24.
-KERF_CUDA_INLINE float near_reciprocal(float x) {
-#ifdef __CUDA_ARCH__
-  return __fdividef(1.0f, x);
-#else
-  return 1.0f / x;
-#endif
-}
-
 /// Infinite for a triangle of which single precision tells whether it is nearer.
 inline constexpr float decided_t = std::numeric_limits<float>::infinity();
 
@@ -171,8 +167,8 @@ KERF_CUDA_INLINE float test_triangle(const TracedRay& ray, const DeviceTriangle*
   const Corners corners{corner(first_words), corner(load(&triangles[place].corner[1])),
                         corner(load(&triangles[place].corner[2]))};
   const Vec3f o{ray.origin[0], ray.origin[1], ray.origin[2]};
-  const ShearedCorner a = shear(ray.frame, o, corners.a), b = shear(ray.frame, o, corners.b),
-                      c = shear(ray.frame, o, corners.c);
+  const ShearedCorner a = sheared(ray.shear, o, corners.a), b = sheared(ray.shear, o, corners.b),
+                      c = sheared(ray.shear, o, corners.c);
   const EdgeFunctions edges(a, b, c);
   if (edges.certainly_outside()) return decided_t;
   // What t is for the point that the weights name, and how far from it the ray may cross the plane: the
@@ -184,9 +180,12 @@ KERF_CUDA_INLINE float test_triangle(const TracedRay& ray, const DeviceTriangle*
   const float error = ray.error_unit * (ErrorOfT::mean + ErrorOfT::shear * (rise * absolute(inverse)));
   const float first = t - error, last = t + error;
   const bool decided = edges.min_edge > ray.min_value || edges.max_edge < -ray.min_value;
-  if (decided && !(ray.t_min <= last && first <= nearest.last)) return decided_t;
-  if (decided && ray.t_min <= first && (any_hit ? last <= nearest.last : last < nearest.first)) {
-    nearest = {first, last, place};
+  const bool nearer = ray.t_min <= first && (any_hit ? last <= nearest.last : last < nearest.first);
+  const bool farther = !(ray.t_min <= last && first <= nearest.last);
+  if (decided && (nearer || farther)) {
+    nearest.first = nearer ? first : nearest.first;
+    nearest.last = nearer ? last : nearest.last;
+    nearest.reference = nearer ? place : nearest.reference;
     return decided_t;
   }
   // A triangle with several references is met in each of them.

@@ -11,8 +11,6 @@ template <class Visit>
 KERF_CUDA_INLINE void visit_line(const BinaryHierarchy& hierarchy, const TracedRay& ray, float t_min,
                                  const float& t_max, Visit&& visit) {
   if (hierarchy.node_count == 0) return;
-  RayPlanes planes;
-  planes.set(ray);
   std::uint32_t stack[max_depth + 1];
   std::uint32_t depth = 0, link = 0;
   while (link != no_link) {
@@ -20,8 +18,8 @@ KERF_CUDA_INLINE void visit_line(const BinaryHierarchy& hierarchy, const TracedR
       const Words4* node = reinterpret_cast<const Words4*>(hierarchy.nodes + link);
       const Words4 first = load(node), second = load(node + 1), z = load(node + 2), links = load(node + 3);
       float t_first, t_second;
-      const bool in_first = planes.meet(ray, first, z.x, z.y, t_min, t_max, t_first);
-      const bool in_second = planes.meet(ray, second, z.z, z.w, t_min, t_max, t_second);
+      const bool in_first = ray.boxes.meet(first, z.x, z.y, t_min, t_max, t_first);
+      const bool in_second = ray.boxes.meet(second, z.z, z.w, t_min, t_max, t_second);
       if (in_first && in_second) {
         const bool first_is_nearer = t_first <= t_second;
         link = first_is_nearer ? links.x : links.y;

@@ -97,7 +97,7 @@ TEST(CudaTraversal, SmallHierarchiesAnswerAsTheLibraryDoes) {
   for (Ray& ray : rays) ray = grid.ray();
   std::vector<Vec3f> points(50);
   for (Vec3f& point : points) point = grid.point();
-  for (const std::size_t count : {0, 1, 2, 3, 9, 30}) {
+  for (const std::size_t count : {0u, 1u, 2u, 3u, 9u, 30u}) {
     SCOPED_TRACE(count);
     const TriangleMesh mesh{.vertices = grid.vertices, .triangles = std::span(grid.triangles).first(count)};
     expect_equal_answers({&mesh, 1}, rays, points);
@@ -112,7 +112,7 @@ TEST(CudaTraversal, ListsAsManyHitsAsThereIsRoomFor) {
     const Ray ray = grid.ray();
     std::vector<Hit> all;
     bvh.all_hits(ray, [&](const Hit& hit) { all.push_back(hit); });
-    for (const std::size_t room : {0, 1, 8, 200}) {
+    for (const std::size_t room : {0u, 1u, 8u, 200u}) {
       std::vector<Hit> listed(room, Hit{.t = 1.0f, .primitive = 1, .mesh = 1});
       list_crossings(hierarchy.view(), hierarchy.table(), ray, listed.data(), room);
       std::vector<Hit> expected(all.begin(),

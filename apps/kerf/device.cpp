@@ -1,0 +1,24 @@
+#include "device.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#ifdef KERF_CUDA
+#include "bindings/cuda/compare/cuda_device.hpp"
+#endif
+
+namespace kerf_tool {
+
+std::unique_ptr<workbench::TracingDevice> open_device(const std::string& name) {
+  if (name == "cpu") return nullptr;
+  if (name != "cuda")
+    throw CLI::ValidationError("--device",
+                               fmt::format("there is no device {}; there are cpu and cuda", name));
+#ifdef KERF_CUDA
+  return kerf::cuda::open_cuda_device();
+#else
+  throw CLI::ValidationError("--device", "this kerf was built without CUDA (KERF_BINDINGS_CUDA)");
+#endif
+}
+
+}  // namespace kerf_tool
