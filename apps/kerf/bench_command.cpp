@@ -66,6 +66,11 @@ std::vector<std::string> peer_isas(const BenchArguments& arguments) {
   return {arguments.peer_isa};
 }
 
+std::vector<RaysMade> rays_made(const std::string& rays) {
+  if (rays == "both") return {RaysMade::made, RaysMade::array};
+  return {rays == name(RaysMade::array) ? RaysMade::array : RaysMade::made};
+}
+
 // kerf, and Embree with the fastest of `isas`, unless there are none.
 std::vector<Engine> make_engines(const Scene& scene, const std::vector<std::string>& isas,
                                  const BenchOptions& options) {
@@ -94,7 +99,7 @@ void bench(const BenchArguments& arguments) {
       BenchOptions options;
       options.threads = threads;
       options.limits = arguments.limits;
-      options.rays_made = arguments.rays == name(RaysMade::array) ? RaysMade::array : RaysMade::made;
+      options.rays_made = rays_made(arguments.rays);
       options.progress = [&](double fraction, std::string_view what) {
         bar.show((static_cast<double>(i) + fraction) / static_cast<double>(scenes.size()), what);
       };
@@ -132,8 +137,8 @@ void add_bench_command(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--rays", arguments->rays,
-                   "Where single rays are: made right before each call, or ready in an array")
-      ->check(CLI::IsMember({"made", "array"}))
+                   "Where single rays are: made right before each call, ready in an array, or both in turns")
+      ->check(CLI::IsMember({"made", "array", "both"}))
       ->capture_default_str();
   command
       ->add_option("--peer-isa", arguments->peer_isa,

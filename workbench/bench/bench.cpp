@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <utility>
 
 #include <kerf/inspect.hpp>
 #include <kerf/kerf.hpp>
@@ -56,16 +57,24 @@ std::vector<Build> build_all(std::span<const Engine> engines, const kerf::Triang
 // threads to be worth starting and for rays to be sorted, short enough for most slices to run undisturbed.
 constexpr std::size_t slice_size = 16384;
 
-// Where the rays of a tracer are, if `wanted` applies to all that can.
-RaysMade rays_made(const Tracer& tracer, RaysMade wanted) {
-  return tracer.intersect_made ? wanted : RaysMade::array;
+// A tracer, and where its rays are.
+struct Way {
+  Tracer tracer;
+  RaysMade rays_made;
+};
+
+std::vector<Way> ways(const Tracer& tracer, const BenchOptions& options) {
+  if (!tracer.intersect_made) return {{tracer, RaysMade::array}};
+  std::vector<Way> list;
+  for (const RaysMade where : options.rays_made) list.push_back({tracer, where});
+  return list;
 }
 
 // Traces a set of rays in spans, with results in memory for one span.
 class SpanTracer {
  public:
-  SpanTracer(const RaySet& set, const Tracer& tracer, RaysMade wanted)
-      : set_(set), tracer_(tracer), make_(rays_made(tracer, wanted) == RaysMade::made) {}
+  SpanTracer(const RaySet& set, const Way& way)
+      : set_(set), tracer_(way.tracer), make_(way.rays_made == RaysMade::made) {}
 
   void trace(std::size_t begin, std::size_t end) {
     const auto rays = std::span(set_.rays).subspan(begin, end - begin);
@@ -94,15 +103,14 @@ class SpanTracer {
   std::vector<kerf::Hit> hits_;
 };
 
-std::vector<BenchRays> trace_all(std::span<const Tracer> tracers, const RaySet& set,
-                                 const BenchOptions& options) {
+std::vector<BenchRays> trace_all(std::span<const Way> ways, const RaySet& set, const BenchOptions& options) {
   const std::size_t ray_count = set.rays.size();
   std::vector<BenchRays> figures;
   std::vector<SpanTracer> span_tracers;
   std::vector<TraceRange> trace_ranges;
-  span_tracers.reserve(tracers.size());  // the functions below refer to its elements
-  for (const Tracer& tracer : tracers) {
-    SpanTracer& span_tracer = span_tracers.emplace_back(set, tracer, options.rays_made);
+  span_tracers.reserve(ways.size());  // the functions below refer to its elements
+  for (const Way& way : ways) {
+    SpanTracer& span_tracer = span_tracers.emplace_back(set, way);
     std::size_t hits = 0;
     for (std::size_t begin = 0; begin < ray_count; begin += slice_size) {  // this also warms up
       span_tracer.trace(begin, std::min(begin + slice_size, ray_count));
@@ -141,19 +149,21 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
 
   BenchScene figures{.name = scene.name, .triangles = scene.triangles.size(), .results = {}};
   std::vector<Build> builds = build_all(engines, mesh, options, progress);
-  std::vector<Tracer> tracers;
+  std::vector<Way> all_ways;
   for (std::size_t e = 0; e < engines.size(); ++e) {
     const Build& build = builds[e];
     for (const Tracer& tracer : build.traceable.tracers) {
-      tracers.push_back(tracer);
-      figures.results.push_back({.engine = tracer.engine,
-                                 .mode = tracer.mode,
-                                 .isa = engines[e].isa,
-                                 .rays_made = rays_made(tracer, options.rays_made),
-                                 .build_ms = 1e3 * build.best_seconds,
-                                 .bytes = build.traceable.bytes,
-                                 .build_peak_bytes = build.traceable.build_peak_bytes,
-                                 .rays = {}});
+      for (Way& way : ways(tracer, options)) {
+        figures.results.push_back({.engine = tracer.engine,
+                                   .mode = tracer.mode,
+                                   .isa = engines[e].isa,
+                                   .rays_made = way.rays_made,
+                                   .build_ms = 1e3 * build.best_seconds,
+                                   .bytes = build.traceable.bytes,
+                                   .build_peak_bytes = build.traceable.build_peak_bytes,
+                                   .rays = {}});
+        all_ways.push_back(std::move(way));
+      }
     }
   }
 
@@ -166,7 +176,7 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
     progress.show(fraction, "tracing " + std::string(name(type)));
     fraction += 0.5 / std::size(ray_types);
     const RaySet set = make_rays(scene, bvh, type, options.rays);
-    const std::vector<BenchRays> rays = trace_all(tracers, set, options);
+    const std::vector<BenchRays> rays = trace_all(all_ways, set, options);
     for (std::size_t i = 0; i < rays.size(); ++i) figures.results[i].rays.push_back(rays[i]);
     if (figures.limits) figures.limits->counts[static_cast<std::size_t>(type)] = count_steps(bvh, set);
   }

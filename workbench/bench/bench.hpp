@@ -58,8 +58,9 @@ struct BenchOptions {
   unsigned trace_rounds = 5;   ///< at least; another round before them warms up
   double trace_seconds = 2.0;  ///< more rounds follow until those of one type of rays took as long
   RaySetOptions rays;
-  RaysMade rays_made = RaysMade::made;  ///< of rays that are traced one by one
-  bool limits = false;                  ///< also measure how fast kerf could be at best
+  /// Of rays that are traced one by one; of two, both are measured, interleaved as all else.
+  std::vector<RaysMade> rays_made{RaysMade::made};
+  bool limits = false;  ///< also measure how fast kerf could be at best
   std::function<void(double fraction, std::string_view what)> progress;
 };
 

@@ -39,6 +39,7 @@ std::string fastest_isa(const Scene& scene, std::span<const std::string> isas, c
   short_run.trace_seconds = 0.0;
   short_run.rays = {.width = options.rays.width / 2, .height = options.rays.height / 2};
   short_run.limits = false;
+  short_run.rays_made = {options.rays_made.front()};
   const BenchScene figures = bench_scene(scene, engines, short_run);
 
   std::string fastest;

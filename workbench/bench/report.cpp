@@ -19,11 +19,28 @@ std::string label(const BenchResult& result) {
   return is_kerf(result) ? result.engine + " " + result.mode : result.engine;
 }
 
-const BenchResult* find(const BenchScene& scene, std::string_view engine, std::string_view mode) {
+// The result of `scene` for what `wanted` measured on another one.
+const BenchResult* find(const BenchScene& scene, const BenchResult& wanted) {
   for (const BenchResult& result : scene.results) {
-    if (result.engine == engine && result.mode == mode) return &result;
+    if (result.engine == wanted.engine && result.mode == wanted.mode && result.rays_made == wanted.rays_made)
+      return &result;
   }
   return nullptr;
+}
+
+// Rays one by one, in an array, where those made on the spot were measured as well.
+bool is_second_of_two(const BenchScene& scene, const BenchResult& result) {
+  BenchResult made = result;
+  made.rays_made = RaysMade::made;
+  return result.rays_made == RaysMade::array && find(scene, made) != nullptr;
+}
+
+bool are_compared(const BenchScene& scene, const BenchResult& kerf, const BenchResult& peer) {
+  if (!is_kerf(kerf)) return false;
+  if (is_kerf(peer)) {
+    return kerf.mode == peer.mode && kerf.rays_made == RaysMade::made && peer.rays_made == RaysMade::array;
+  }
+  return is_second_of_two(scene, kerf) == is_second_of_two(scene, peer);
 }
 
 class GeometricMean {
@@ -40,12 +57,15 @@ class GeometricMean {
 };
 
 Ratios ratios(std::span<const BenchScene> scenes, const BenchResult& kerf, const BenchResult& peer) {
-  Ratios ratios{.mode = kerf.mode, .peer = peer.engine, .min_scene = {}};
+  Ratios ratios{.mode = kerf.mode,
+                .rays_made = kerf.rays_made,
+                .peer = is_kerf(peer) ? label(peer) + ", array" : peer.engine,
+                .min_scene = {}};
   ratios.min = ratios.build_min = std::numeric_limits<double>::infinity();
   GeometricMean all, primary, builds;
   for (const BenchScene& scene : scenes) {
-    const BenchResult* ours = find(scene, kerf.engine, kerf.mode);
-    const BenchResult* theirs = find(scene, peer.engine, peer.mode);
+    const BenchResult* ours = find(scene, kerf);
+    const BenchResult* theirs = find(scene, peer);
     if (ours == nullptr || theirs == nullptr) continue;
     for (std::size_t i = 0; i < ours->rays.size(); ++i) {
       const double ratio = ours->rays[i].mrays_per_s / theirs->rays[i].mrays_per_s;
@@ -140,7 +160,7 @@ std::string format_limits(const BenchScene& scene) {
     columns[3].cells.push_back({fmt::format("{:.1f}", floor_ns(limits.times, counts))});
   }
   for (const BenchResult& result : scene.results) {
-    if (!is_kerf(result)) continue;
+    if (!is_kerf(result) || is_second_of_two(scene, result)) continue;
     Column took{.head = result.mode + " ns", .cells = {}}, reached{.head = "efficiency", .cells = {}};
     for (std::size_t i = 0; i < result.rays.size(); ++i) {
       const double speed = result.rays[i].mrays_per_s;
@@ -164,7 +184,8 @@ nlohmann::ordered_json limits_json(const BenchScene& scene) {
     const double floor = floor_ns(limits.times, counts);
     nlohmann::ordered_json efficiencies;
     for (const BenchResult& result : scene.results) {
-      if (is_kerf(result)) efficiencies[result.mode] = efficiency(floor, result.rays[i].mrays_per_s);
+      if (is_kerf(result) && !is_second_of_two(scene, result))
+        efficiencies[result.mode] = efficiency(floor, result.rays[i].mrays_per_s);
     }
     rays[std::string(name(ray_types[i]))] = {{"steps", counts.nodes},
                                              {"leaves", counts.leaves},
@@ -178,6 +199,7 @@ std::string format_ratios(std::span<const BenchScene> scenes) {
   const std::vector<Ratios> list = ratios_to_peers(scenes);
   if (list.empty()) return {};
   std::vector<Column> columns{{.head = "kerf", .cells = {}, .left_aligned = true},
+                              {.head = "rays", .cells = {}, .left_aligned = true},
                               {.head = "relative to", .cells = {}, .left_aligned = true},
                               {.head = "speed", .cells = {}},
                               {.head = "primary", .cells = {}},
@@ -189,6 +211,7 @@ std::string format_ratios(std::span<const BenchScene> scenes) {
                               {.head = "peak", .cells = {}}};
   for (const Ratios& r : list) {
     const std::string cells[] = {r.mode,
+                                 std::string(name(r.rays_made)),
                                  r.peer,
                                  fmt::format("{:.2f}x", r.mean),
                                  fmt::format("{:.2f}x", r.primary_mean),
@@ -212,9 +235,8 @@ std::vector<Ratios> ratios_to_peers(std::span<const BenchScene> scenes) {
   std::vector<Ratios> list;
   if (scenes.empty()) return list;
   for (const BenchResult& kerf : scenes[0].results) {
-    if (!is_kerf(kerf)) continue;
     for (const BenchResult& peer : scenes[0].results) {
-      if (!is_kerf(peer)) list.push_back(ratios(scenes, kerf, peer));
+      if (are_compared(scenes[0], kerf, peer)) list.push_back(ratios(scenes, kerf, peer));
     }
   }
   return list;

@@ -26,10 +26,12 @@ nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRu
 /// rays, and the minimum.
 std::string format_bench(std::span<const BenchScene> scenes, Emphasis emphasis);
 
-/// kerf in one of its modes, relative to a peer. Ratios of speeds are above 1 where kerf is faster, ratios of
-/// bytes below 1 where kerf is smaller.
+/// kerf in one of its modes, relative to a peer: with single rays where the peer's are, or where they are
+/// made relative to kerf with those in an array, if both were measured. Ratios of speeds are above 1 where
+/// kerf is faster, ratios of bytes below 1 where kerf is smaller.
 struct Ratios {
-  std::string mode;  ///< of kerf
+  std::string mode;                      ///< of kerf
+  RaysMade rays_made = RaysMade::array;  ///< of kerf
   std::string peer;
   double mean = 0.0;  ///< geometric, of Mrays/s over scenes and types of rays
   double min = 0.0;   ///< of the same
@@ -42,7 +44,7 @@ struct Ratios {
   double peak_bytes_max = 0.0;  ///< the same of `build_peak_bytes`
 };
 
-/// One entry per mode of kerf and peer; none if there are no peers.
+/// One entry per mode of kerf and peer; none if there is nothing to compare with.
 std::vector<Ratios> ratios_to_peers(std::span<const BenchScene> scenes);
 
 }  // namespace workbench

@@ -1,5 +1,6 @@
 #include "workbench/bench/bench.hpp"
 
+#include <map>
 #include <set>
 #include <string>
 
@@ -95,7 +96,7 @@ TEST(Bench, OnlySingleRaysAreMadeOnTheSpot) {
   BenchOptions options = short_run(1);
   const Scene scene = load_scene("terrain:detail=0.002");
   for (const RaysMade wanted : {RaysMade::made, RaysMade::array}) {
-    options.rays_made = wanted;
+    options.rays_made = {wanted};
     for (const BenchResult& result : bench_scene(scene, all_engines(1), options).results) {
       EXPECT_EQ(result.rays_made, result.mode == "single" ? wanted : RaysMade::array) << result.mode;
     }
@@ -145,6 +146,29 @@ TEST(Bench, RatiosAreGeometricMeansAndMinima) {
   EXPECT_NEAR(ratios[0].build_mean, 3.0, 1e-12);
   EXPECT_EQ(ratios[0].bytes_max, 0.5);
   EXPECT_EQ(ratios[0].peak_bytes_max, 1.0);
+}
+
+TEST(Bench, RaysMadeAndInAnArrayAreComparedEachWithItsOwnKindAndWithEachOther) {
+  BenchScene scene = made_up("one", 3.0);
+  BenchScene array = made_up("one", 6.0);
+  for (BenchResult& result : array.results) {
+    result.rays_made = RaysMade::array;
+    if (result.engine == "peer") result.rays[0].mrays_per_s = 0.75;
+    scene.results.push_back(result);
+  }
+  scene.results.push_back(
+      scene.results[2]);  // spans, which are compared with the rays of a peer that are made
+  scene.results.back().mode = "batch";
+  std::map<std::string, double> means;
+  for (const Ratios& r : ratios_to_peers(std::span(&scene, 1))) {
+    const std::string key = r.mode + ", " + std::string(name(r.rays_made)) + " over " + r.peer;
+    EXPECT_TRUE(means.emplace(key, r.primary_mean).second) << key;
+  }
+  EXPECT_EQ(means.size(), 4u);
+  EXPECT_NEAR(means["single, made over peer"], 3.0, 1e-12);
+  EXPECT_NEAR(means["single, array over peer"], 8.0, 1e-12);
+  EXPECT_NEAR(means["single, made over kerf single, array"], 0.5, 1e-12);
+  EXPECT_NEAR(means["batch, array over peer"], 6.0, 1e-12);
 }
 
 TEST(Bench, JsonHasItsKeys) {
