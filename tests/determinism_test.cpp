@@ -14,19 +14,18 @@
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
 
-#include "construction/construct.hpp"
 #include "files/checksum.hpp"
-#include "layout/lay_out.hpp"
-#include "math/vec3f.hpp"
-#include "structure.hpp"
+#include "support/node_width.hpp"
 #include "support/targets.hpp"
 #include "support/temporary_directory.hpp"
+#include "workbench/base/vectors.hpp"
 #include "workbench/generate/generated_scenes.hpp"
 #include "workbench/rays/rays.hpp"
 
 namespace {
 
 using kerf::Builder;
+using workbench::operator+, workbench::operator-, workbench::operator*;
 
 // Small scenes, which an emulated machine goes through in seconds.
 workbench::Scene make_scene(std::string_view name) {
@@ -42,14 +41,8 @@ std::string checksum_of(std::span<const T> values) {
 
 // Of the file of a machine whose nodes have `width` children.
 std::string checksum_of_file(const workbench::Scene& scene, Builder builder, std::uint32_t width) {
-  const kerf::TriangleMesh mesh = scene.mesh();
-  const kerf::Geometry geometry(std::span(&mesh, 1));
-  const kerf::BinaryTree tree = kerf::construct(geometry, {.builder = builder});
-  const auto first = geometry.first_triangles();
-  const auto structure = kerf::make_structure(kerf::make_wide_bvh(geometry, tree, width).wide,
-                                              {first.begin(), first.end()}, tree.degenerate_triangles);
   const TemporaryDirectory directory;
-  kerf::Structure::share(structure).save(directory / "scene.kerf");
+  kerf_tests::build_with_node_width(scene.mesh(), {.builder = builder}, width).save(directory / "scene.kerf");
   return checksum_of(std::span<const char>(read_bytes(directory / "scene.kerf")));
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <string_view>
 
 #include <CLI/CLI.hpp>
@@ -36,6 +37,16 @@ std::vector<std::string> split(const std::string& text, char separator) {
     parts.push_back(text.substr(begin, end == std::string::npos ? end : end - begin));
   }
   return parts;
+}
+
+// Coordinates far from the origin are further apart as floats than corners of small triangles are.
+void warn_of_flattened_triangles(const workbench::Scene& scene) {
+  if (scene.contents.flattened_triangles == 0) return;
+  fmt::print(
+      stderr,
+      "kerf: {}: rounding to floats takes the area of {} of {} triangles; subtract a point near them from "
+      "all coordinates before they are written (a local frame)\n",
+      scene.name, scene.contents.flattened_triangles, scene.triangles.size());
 }
 
 }  // namespace
@@ -110,7 +121,10 @@ std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs)
     }
   }
   std::vector<workbench::Scene> scenes;
-  for (const std::string& spec : specs) scenes.push_back(workbench::load_scene(spec));
+  for (const std::string& spec : specs) {
+    scenes.push_back(workbench::load_scene(spec));
+    warn_of_flattened_triangles(scenes.back());
+  }
   return scenes;
 }
 

@@ -49,7 +49,8 @@ struct PictureSize {
 /// `1280x800`: each from 1 to 16384.
 PictureSize parse_size(const std::string& option, const std::string& text);
 
-/// Loads all scenes. Commands do so before any other work, so that errors in any of them show at once.
+/// Loads all scenes. Commands do so before any other work, so that errors in any of them show at once. A line
+/// on standard error names scenes of which rounding to floats destroys triangles.
 std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs);
 
 /// Returns what `work` returns. Errors of the library name no file, so this puts the name of the scene before

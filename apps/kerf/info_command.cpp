@@ -52,10 +52,14 @@ std::string describe(const Scene& scene, const kerf::BuilderInfo& builder) {
   text += line("vertices", format_count(scene.vertices.size()));
   text += line("triangles", format_count(tree.triangles()));
   text += line("degenerate", format_count(bvh.statistics().degenerate_triangles));
+  if (const std::size_t flattened = scene.contents.flattened_triangles)
+    text += line("flattened", format_count(flattened) + " triangles, by rounding to floats");
   text += line("bounds", bounds.empty() ? "empty"
                                         : fmt::format("{} to {}", format_point(bounds.lower),
                                                       format_point(bounds.upper)));
   text += line("viewpoints", format_count(scene.viewpoints.size()));
+  if (!scene.contents.entries.empty()) text += "\nbeside triangles\n";
+  for (const auto& [name, value] : scene.contents.entries) text += line(name, value);
   text += fmt::format("\n{} tree\n", builder.name);
   text += line("nodes", format_count(counts.nodes));
   text += line("leaves", format_count(counts.leaves));

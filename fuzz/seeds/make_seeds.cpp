@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 
 #include <kerf/kerf.hpp>
 
@@ -62,13 +63,74 @@ std::string as_stl(const Solid& solid) {
   return bytes;
 }
 
-// One triangle, whose buffer is in the file itself.
-const char* const gltf =
-    R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"translation":[1,2,3]}],)"
-    R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5126,)"
-    R"("count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
-    R"("buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
-    R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+// Texts that use what their format can do.
+
+constexpr std::string_view obj_texts[] = {
+    "\xef\xbb\xbf# c \\\nmtllib a.mtl\nv 0 0 0 1 0 0\nv 1. -.5e-3 +2E2\r\nv 0 \\\n 1 0\nvn 0 0 1\nvt 0 0\nf "
+    "1/1/1 2//1 \\\n3/1\nf -1 -2 "
+    "-3\nl 1 2\n",
+    "v nan 0 -1.#IND\rv 0 0 0\rv 4 0 0\rv 4 4 0\rv 2 1 0\rv 0 4 0\rf 2 3 4 5 6\rf 1 2\rcurv 0 1 1 2\r",
+    "v 6000000.1 0 0\nv 6000000.2 0 0\nv 6000000.2 1 0\nf 1 2 3\n"};
+
+constexpr std::string_view ply_texts[] = {
+    "ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty float x\nproperty double y\nproperty uchar "
+    "red\nproperty short z\n"
+    "element face 2\nproperty list uchar int vertex_indices\nproperty list int float more\nelement edge "
+    "0\nend_header\n0 0 1 0\n1 0 2 "
+    "0\n\n1 1\n3 0 0 1 4 0\n4 0 1 2 3 1 nan\n3 0 1 2 0\n",
+    "ply\r\nformat ascii 1.0\r\nelement tristrips 1\r\nproperty list int int vertex_indices\r\nelement "
+    "vertex 4\r\nproperty float "
+    "x\r\nproperty float y\r\nproperty float z\r\nend_header\r\n6 0 1 2 3 -1 0 0 0 0 1 0 0 0 1 0 1 1 0"};
+
+constexpr std::string_view stl_texts[] = {
+    "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+    "0\nendloop\nendfacet\nendsolid a\n",
+    " SOLID\rFACET NORMAL nan\rOUTER LOOP\rVERTEX 0 0 0\rVERTEX 1 0 0\rVERTEX 1 1 0\rVERTEX 0 1 0\rEND "
+    "LOOP\rEND "
+    "FACET\rENDSOLIDb\rsolid\rendsolid"};
+
+// One triangle, whose buffer is in the file itself; nodes and whatever else stand behind it.
+std::string gltf(std::string_view primitive, std::string_view rest) {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"buffers":[{"byteLength":48,"uri":)"
+         R"("data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIAAAD/AAAA"}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":12}],"accessors":[)"
+         R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},)"
+         R"({"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"},)"
+         R"({"bufferView":1,"componentType":5121,"count":3,"type":"VEC4","normalized":true},)"
+         R"({"componentType":5126,"count":3,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":1,)"
+         R"("componentType":5121},"values":{"bufferView":0,"byteOffset":12}}}],"meshes":[{"weights":[0.5],"primitives":[{)" +
+         std::string(primitive) + "}]}]," + std::string(rest) + "}";
+}
+
+const std::string gltf_texts[] = {
+    gltf(R"("attributes":{"POSITION":0})", R"("nodes":[{"mesh":0,"translation":[1,2,3]}])"),
+    gltf(
+        R"("mode":5,"indices":1,"attributes":{"POSITION":0,"NORMAL":9},"targets":[{"POSITION":3}])",
+        R"("nodes":[{"children":[1],"scale":[-1,2,1]},{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,1,2,3,1]}])"),
+    gltf(R"("attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":2})",
+         R"("nodes":[{"mesh":0,"skin":0,"children":[1]},{"rotation":[0,0,1,1]}],"skins":[{"joints":[1,0]}])"),
+    gltf(
+        R"("mode":6,"attributes":{"POSITION":3})",
+        R"("extensionsRequired":["EXT_mesh_gpu_instancing"],"nodes":[{"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":)"
+        R"({"attributes":{"TRANSLATION":0,"SCALE":0,"ROTATION":2}}}}])"),
+    gltf(
+        R"("attributes":{"POSITION":0},"extensions":{"KHR_draco_mesh_compression":{"bufferView":1,"attributes":{"POSITION":0}}})",
+        R"("nodes":[{"mesh":0}])")};
+
+// As a .glb file, without a binary chunk.
+std::string as_glb(std::string text) {
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  std::string bytes = "glTF";
+  for (const std::size_t number : {std::size_t{2}, 20 + text.size(), text.size()})
+    append(bytes, static_cast<std::uint32_t>(number));
+  return bytes + "JSON" + text;
+}
+
+template <class Texts>
+void write_all(const std::filesystem::path& folder, const Texts& texts) {
+  int number = 0;
+  for (const auto& text : texts) write(folder / ("text" + std::to_string(number++)), std::string(text));
+}
 
 }  // namespace
 
@@ -78,7 +140,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::filesystem::path root = argv[1];
-  for (const char* name : {"kerf_file", "mesh", "scene_file"})
+  for (const char* name : {"gltf_file", "kerf_file", "mesh", "obj_file", "ply_file", "stl_file"})
     std::filesystem::create_directories(root / name);
 
   const Solid box = workbench::make_box({-1, -1, -1}, {1, 1, 1}), sphere = workbench::make_sphere(1);
@@ -92,8 +154,12 @@ int main(int argc, char** argv) {
   write(root / "mesh" / "ply", as_ply(sphere));
   write(root / "mesh" / "stl", as_stl(box));
 
-  write(root / "scene_file" / "obj", '\0' + as_obj(box));
-  write(root / "scene_file" / "ply", '\1' + as_ply(box));
-  write(root / "scene_file" / "stl", '\2' + as_stl(box));
-  write(root / "scene_file" / "gltf", std::string(1, '\3') + gltf);
+  write(root / "obj_file" / "box", as_obj(box));
+  write_all(root / "obj_file", obj_texts);
+  write(root / "ply_file" / "box", as_ply(box));
+  write_all(root / "ply_file", ply_texts);
+  write(root / "stl_file" / "box", as_stl(box));
+  write_all(root / "stl_file", stl_texts);
+  write_all(root / "gltf_file", gltf_texts);
+  write(root / "gltf_file" / "glb", as_glb(gltf_texts[0]));
 }

@@ -94,6 +94,7 @@ TEST(Tool, BadUsageIsStatusTwoAndOneLine) {
                                       "compare --threads 1.5 sticks",
                                       "compare --rounds 2 sticks",
                                       "compare --pixels 0x9 sticks",
+                                      "compare --device gpu sticks",
                                       "compare --no-such-option sticks",
                                       "bench sticks --rays ready",
                                       "bench sticks --peer-isa mmx",
@@ -260,6 +261,35 @@ TEST(Tool, InfoCountsWhatTheFileHolds) {
        {"(0, 0, 0) to (4, 5, 6)", "nodes", "depth", "leaf sizes", "references", "SAH", "EPO", "bytes"}) {
     EXPECT_NE(outcome.output.find(part), std::string::npos) << part << "\n" << outcome.output;
   }
+}
+
+TEST(Tool, InfoSaysWhatWasLeftOut) {
+  const TemporaryDirectory directory;
+  const std::string file =
+      directory.write("all.obj", "v 0 0 0\nv 4 0 0\nv 0 5 0\nf 1 2 3\nf 1 2\nl 1 2\nl 2 3\np 1\n");
+  const Outcome outcome = run_tool("info " + file);
+  EXPECT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_EQ(outcome.errors, "");
+  for (const char* part :
+       {"faces left out        1, of fewer than three corners", "lines and points      3 statements"})
+    EXPECT_NE(outcome.output.find(part), std::string::npos) << part << "\n" << outcome.output;
+}
+
+TEST(Tool, NamesTheRemedyWhereRoundingDestroysTriangles) {
+  const TemporaryDirectory directory;
+  // Floats near 6,000,000 are half a metre apart. The second triangle has no area in the file either.
+  const std::string file = directory.write(
+      "far.obj",
+      "v 6000000.1 0 0\nv 6000000.2 0 0\nv 6000000.2 1 0\nv 6000000 0 0\nv 6000002 0 0\nv 6000004 0 0\n"
+      "v 6000000 3 0\nf 1 2 3\nf 4 5 6\nf 4 5 7\n");
+  for (const std::string& command : {"info " + file, "build " + file + " -o " + directory.file("far.kerf")}) {
+    const Outcome outcome = run_tool(command);
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    expect_one_line_about(outcome.errors, file);
+    EXPECT_NE(outcome.errors.find("the area of 1 of 3 triangles"), std::string::npos) << outcome.errors;
+    EXPECT_NE(outcome.errors.find("local frame"), std::string::npos) << outcome.errors;
+  }
+  EXPECT_NE(run_tool("info " + file).output.find("flattened             1 triangles"), std::string::npos);
 }
 
 TEST(Tool, ListsEveryGeneratedScene) {

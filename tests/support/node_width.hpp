@@ -1,19 +1,18 @@
-// Hierarchies with nodes of a width of one's choice.
+// Hierarchies with nodes of a width of one's choice, to be saved: only a machine whose nodes have that width
+// can trace them.
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
-#include "layout/change_width.hpp"
-#include "structure.hpp"
+#include <kerf/kerf.hpp>
 
 namespace kerf_tests {
 
-/// The same hierarchy with nodes of that width, to be saved: only a machine whose nodes have it can trace it.
-inline kerf::Bvh with_node_width(const kerf::Bvh& bvh, std::uint32_t width) {
-  auto changed = std::make_shared<kerf::Structure>(kerf::Structure::of(bvh));
-  changed->wide = kerf::change_width(changed->wide, changed->statistics.triangles, width);
-  return kerf::Structure::share(std::move(changed));
-}
+/// The same hierarchy, converted.
+kerf::Bvh with_node_width(const kerf::Bvh& bvh, std::uint32_t width);
+
+/// As `build` makes it on such a machine.
+kerf::Bvh build_with_node_width(const kerf::TriangleMesh& mesh, const kerf::BuildOptions& options,
+                                std::uint32_t width);
 
 }  // namespace kerf_tests

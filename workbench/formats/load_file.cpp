@@ -4,23 +4,23 @@
 #include <array>
 #include <cctype>
 #include <string>
+#include <utility>
 
 #include <kerf/error.hpp>
 
 #include "workbench/base/raise.hpp"
-#include "workbench/base/vectors.hpp"
-#include "workbench/formats/checks.hpp"
-#include "workbench/formats/import.hpp"
-#include "workbench/formats/join_vertices.hpp"
+#include "workbench/formats/check_mesh.hpp"
+#include "workbench/formats/file_bytes.hpp"
 #include "workbench/formats/load_hierarchy.hpp"
-#include "workbench/formats/read_bytes.hpp"
+#include "workbench/formats/read_gltf.hpp"
+#include "workbench/formats/read_obj.hpp"
 #include "workbench/formats/read_ply.hpp"
+#include "workbench/formats/read_stl.hpp"
 
 namespace workbench {
 namespace {
 
 using kerf::Error;
-using kerf::Vec3f;
 
 std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -41,43 +41,30 @@ std::string format_of(const std::filesystem::path& file) {
   return extension;
 }
 
-void check_vertices(const Scene& scene, const std::filesystem::path& file) {
-  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
-    for (const std::uint32_t vertex : scene.triangles[i]) {
-      if (vertex >= scene.vertices.size()) {
-        raise(Error::index_out_of_range, file, "triangle {} names vertex {}, but there are {}", i, vertex,
-              scene.vertices.size());
-      }
-      const Vec3f& p = scene.vertices[vertex];
-      if (!is_finite(p)) {
-        raise(Error::non_finite_vertex, file, "vertex {} of triangle {} is not finite: ({}, {}, {})", vertex,
-              i, p.x, p.y, p.z);
-      }
-    }
-  }
-}
-
-Scene read_scene(const std::filesystem::path& file, std::string_view format, const std::string& bytes) {
+ReadMesh read(const std::filesystem::path& file, std::string_view format, const FileBytes& bytes) {
   if (format == ".ply") return read_ply(file, bytes);
-  if (format == ".obj") return import(file, format, plain_obj(file, bytes));
-  if (format == ".stl") return import(file, format, plain_stl(file, bytes));
-  format == ".glb" ? check_glb(file, bytes) : check_gltf(file, bytes, {});
-  return import(file, format, bytes);
+  if (format == ".stl") return read_stl(file, bytes);
+  if (format == ".obj") return read_obj(file, bytes);
+  return read_gltf(file, bytes);
 }
 
 }  // namespace
 
 Scene load_file(const std::filesystem::path& file) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) {
-    raise(Error::io, file, "no such file");
-  }
+  if (!std::filesystem::exists(file, error)) raise(Error::io, file, "no such file");
   const std::string format = format_of(file);
   if (format == ".kerf") return load_hierarchy(file);
-  Scene scene = read_scene(file, format, read_bytes(file));
-  if (scene.triangles.empty()) raise(Error::bad_format, file, "has no triangles");
-  check_vertices(scene, file);
-  join_vertices(scene);
+  const FileBytes bytes(file);
+  const bool is_wide_text = bytes.view().starts_with("\xff\xfe") || bytes.view().starts_with("\xfe\xff");
+  if (is_wide_text && format != ".stl")  // whose binary header may be any bytes
+    raise(Error::bad_format, file, "is a text in UTF-16; only ASCII and UTF-8 are read");
+  ReadMesh mesh = read(file, format, bytes);
+  check_mesh(file, mesh);
+  Scene scene;
+  scene.vertices = std::move(mesh.vertices);
+  scene.triangles = std::move(mesh.triangles);
+  scene.contents = std::move(mesh.contents);
   return scene;
 }
 

@@ -34,16 +34,18 @@ enum class PlyEncoding { ascii, little_endian, big_endian };
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::ascii;
   std::vector<PlyElement> elements;
-  std::size_t lines = 0;  ///< number of lines of the header
   std::string_view body;  ///< what follows the header
 };
 
 /// The header that `bytes` begin with; its strings are views of `bytes`. Throws `kerf::Error::bad_format`
 /// with one line that names the file and the line in it, also if the header describes no vertices with x, y
-/// and z or no faces with lists of vertices.
+/// and z, or no faces or strips with lists of vertices.
 PlyHeader read_ply_header(const std::filesystem::path& file, std::string_view bytes);
 
 /// True if `property` is the list of the vertices of a face.
 bool is_vertex_list(const PlyElement& element, const PlyProperty& property);
+
+/// True if it is the list of the vertices of strips of triangles, each of which ends with -1.
+bool is_strip_list(const PlyElement& element, const PlyProperty& property);
 
 }  // namespace workbench

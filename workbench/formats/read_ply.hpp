@@ -2,15 +2,14 @@
 #pragma once
 
 #include <filesystem>
-#include <string_view>
 
-#include "workbench/scene/scene.hpp"
+#include "workbench/formats/file_bytes.hpp"
+#include "workbench/formats/read_mesh.hpp"
 
 namespace workbench {
 
-/// The faces in `bytes`, the contents of `file`, as triangles. Other elements and properties are left out.
-/// Coordinates may be any floats, indices are in range. Throws `kerf::Error` with one line that names the
-/// file, the place in it and what is wrong.
-Scene read_ply(const std::filesystem::path& file, std::string_view bytes);
+/// The faces and strips in `bytes`, the contents of `file`, as triangles. Other elements and properties are
+/// passed over. Throws `kerf::Error` with one line that names the file, the place in it and what is wrong.
+ReadMesh read_ply(const std::filesystem::path& file, const FileBytes& bytes);
 
 }  // namespace workbench

@@ -1,58 +1,105 @@
-// Lines, words and numbers of text files.
+// Blanks, words and lines of text files. A line ends with `\n`, `\r\n` or `\r`.
 #pragma once
 
-#include <cctype>
-#include <charconv>
+#include <algorithm>
+#include <bit>
 #include <cstddef>
-#include <optional>
+#include <cstdint>
+#include <cstring>
 #include <string_view>
 
 namespace workbench {
 
-/// The lines of a text, which end with `\n` or `\r\n`.
-class Lines {
- public:
-  explicit Lines(std::string_view text) : rest_(text) {}
+inline bool is_line_end(char c) {
+  return c == '\n' || c == '\r';
+}
 
-  /// The next line without its end, or nothing after the last one.
-  std::optional<std::string_view> next() {
-    if (rest_.empty()) return std::nullopt;
-    const std::size_t end = rest_.find('\n');
-    std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    ++number_;
-    return line;
+/// A blank that does not end a line. A file may end with bytes of zero.
+inline bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0';
+}
+
+inline bool is_space(char c) {
+  return is_blank(c) || is_line_end(c);
+}
+
+inline const char* skip_blanks(const char* at, const char* end) {
+  while (at != end && is_blank(*at)) ++at;
+  return at;
+}
+
+inline const char* skip_spaces(const char* at, const char* end) {
+  while (at != end && is_space(*at)) ++at;
+  return at;
+}
+
+/// The end of the word that begins at `at`.
+inline const char* skip_word(const char* at, const char* end) {
+  while (at != end && !is_space(*at)) ++at;
+  return at;
+}
+
+/// The first `\n` or `\r` at or after `at`, or `end`.
+inline const char* find_line_end(const char* at, const char* end) {
+  // Eight bytes at once: a byte of `word ^ pattern` is zero where the byte is that of the pattern, and
+  // subtracting one from it borrows into its high bit.
+  constexpr std::uint64_t ones = 0x0101010101010101u, highs = 0x8080808080808080u;
+  while (end - at >= 8) {
+    std::uint64_t word;
+    std::memcpy(&word, at, sizeof word);
+    const std::uint64_t n = word ^ (ones * '\n'), r = word ^ (ones * '\r');
+    if ((((n - ones) & ~n) | ((r - ones) & ~r)) & highs) break;
+    at += 8;
   }
+  while (at != end && !is_line_end(*at)) ++at;
+  return at;
+}
 
-  std::size_t number() const { return number_; }  ///< of the line last returned, counted from 1
-  std::string_view rest() const { return rest_; }
+/// Behind the end of the line that ends at `at`.
+inline const char* skip_line_end(const char* at, const char* end) {
+  if (at != end && *at == '\r')
+    ++at, at += at != end && *at == '\n';
+  else if (at != end)
+    ++at;
+  return at;
+}
 
- private:
-  std::string_view rest_;
-  std::size_t number_ = 0;
-};
+/// The number, from 1, of the line of `text` that `at` is in.
+inline std::size_t line_number(std::string_view text, const char* at) {
+  std::size_t number = 1;
+  for (const char *line = text.data(), *end = text.data() + text.size();;) {
+    line = find_line_end(line, end);
+    if (line >= at || line == end) return number;
+    line = skip_line_end(line, end);
+    if (line > at) return number;
+    ++number;
+  }
+}
+
+/// The number of the last line of `text` that is not blank.
+inline std::size_t last_line_number(std::string_view text) {
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return line_number(text, text.data() + text.size());
+}
 
 /// Takes the first word from `rest`; empty if there is none.
 inline std::string_view take_word(std::string_view& rest) {
-  const auto is_blank = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
-  std::size_t begin = 0;
-  while (begin < rest.size() && is_blank(rest[begin])) ++begin;
-  std::size_t end = begin;
-  while (end < rest.size() && !is_blank(rest[end])) ++end;
-  const std::string_view word = rest.substr(begin, end - begin);
-  rest.remove_prefix(end);
-  return word;
+  const char* const end = rest.data() + rest.size();
+  const char* const begin = skip_spaces(rest.data(), end);
+  const char* const behind = skip_word(begin, end);
+  rest = {behind, static_cast<std::size_t>(end - behind)};
+  return {begin, static_cast<std::size_t>(behind - begin)};
 }
 
-/// The number that `word` as a whole spells, if `Number` can hold it. "nan" and "inf" are numbers.
-template <class Number>
-std::optional<Number> to_number(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  Number value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
+/// A word as an error shows it: its beginning, without what would break the line.
+inline std::string_view shown(std::string_view word) {
+  constexpr std::size_t max_length = 40;
+  return word.substr(0, std::min(max_length, word.size()));
+}
+
+/// `text` without the mark that some editors put before UTF-8.
+inline std::string_view without_byte_order_mark(std::string_view text) {
+  return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
 }
 
 }  // namespace workbench

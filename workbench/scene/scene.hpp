@@ -20,11 +20,25 @@ struct Viewpoint {
   float vertical_field_of_view = 60.0f;  ///< degrees
 };
 
+/// What a file holds beside triangles, and what became of it.
+struct SceneContents {
+  /// One thing: what it is, and how often it is there or what was made of it. "skins", "2, posed by their
+  /// joints".
+  struct Entry {
+    std::string name, value;
+  };
+  std::vector<Entry> entries;
+
+  /// Triangles that have an area in the file's own numbers, and none when these are rounded to floats.
+  std::size_t flattened_triangles = 0;
+};
+
 struct Scene {
   std::string name;  ///< as the user wrote it
   std::vector<kerf::Vec3f> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<Viewpoint> viewpoints;  ///< three or more
+  SceneContents contents = {};        ///< of a file; empty for generated scenes
 
   /// Of a .kerf file, as it was saved; its hits have the places of `triangles` for primitives.
   std::optional<kerf::Bvh> hierarchy = {};

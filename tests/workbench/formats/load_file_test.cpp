@@ -128,10 +128,9 @@ TEST(LoadFile, AppliesTransformsOfNodesMirroredOnesToo) {
   EXPECT_EQ(scene.vertices.at(scene.triangles[0][2]), (Vec3f{0, 1, 5}));
 }
 
-float area_of(const Scene& scene, std::size_t begin, std::size_t end) {
+float area_of(const Scene& scene) {
   float area = 0.0f;
-  for (std::size_t i = begin; i < end; ++i) {
-    const auto& [a, b, c] = scene.triangles[i];
+  for (const auto& [a, b, c] : scene.triangles) {
     const Vec3f ab = scene.vertices[b] - scene.vertices[a], ac = scene.vertices[c] - scene.vertices[a];
     area += 0.5f * length(cross(ab, ac));
   }
@@ -141,37 +140,20 @@ float area_of(const Scene& scene, std::size_t begin, std::size_t end) {
 TEST(LoadFile, TriangulatesPolygonsWithoutLosingArea) {
   const TemporaryDirectory directory;
   // An L of area 3, which a fan from its first vertex would not cover.
-  const Scene scene = load_file(directory.write(
-      "a.obj", "v 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nf 1 2 3 4 5 6\nl 1 2\np 1\n"));
-  EXPECT_EQ(scene.triangles.size(), 4u);
-  EXPECT_FLOAT_EQ(area_of(scene, 0, 4), 3.0f);
-}
-
-TEST(LoadFile, TriangulatesThePolygonsOfPlyAsWell) {
-  const TemporaryDirectory directory;
-  const std::string header = ply_header("ascii", "6", "4");
-  // The same L, a face of two vertices, one of none, and one that crosses itself.
-  const Scene scene = load_file(directory.write(
-      "a.ply", header + "2 1 0\n1 1 0\n1 2 0\n0 2 0\n0 0 0\n2 0 0\n6 0 1 2 3 4 5\n2 0 1\n0\n4 0 3 1 5\n"));
-  ASSERT_EQ(scene.triangles.size(), 6u);
-  EXPECT_FLOAT_EQ(area_of(scene, 0, 4), 3.0f);
-}
-
-TEST(LoadFile, IsNotKeptBusyByPolygonsOfManyCorners) {
-  const TemporaryDirectory directory;
-  constexpr int corners = 200'000;
-  std::string ply_vertices, ply_face = std::to_string(corners), obj_lines, obj_face = "f";
-  for (int i = 0; i < corners; ++i) {
-    const std::string x = std::to_string(i % 2), y = std::to_string(i);
-    ply_vertices += x + " " + y + " 0\n";
-    obj_lines += "v " + x + " " + y + " 0\n";
-    obj_face += " " + std::to_string(i + 1);
-    ply_face += " " + std::to_string(i);
-  }
-  const std::string header = ply_header("ascii", std::to_string(corners));
-  EXPECT_EQ(load_file(directory.write("a.ply", header + ply_vertices + ply_face + "\n")).triangles.size(),
-            corners - 2u);
-  EXPECT_EQ(load_file(directory.write("a.obj", obj_lines + obj_face + "\n")).triangles.size(), corners - 2u);
+  const Scene of_obj = load_file(directory.write(
+      "a.obj", "v 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nf 1 2 3 4 5 6\nl 1 2\np 1\nf 1 2\n"));
+  EXPECT_EQ(of_obj.triangles.size(), 4u);
+  EXPECT_FLOAT_EQ(area_of(of_obj), 3.0f);
+  // The same, a face of two vertices, and one of none.
+  const Scene of_ply = load_file(directory.write(
+      "a.ply",
+      ply_header("ascii", "6", "3") + "2 1 0\n1 1 0\n1 2 0\n0 2 0\n0 0 0\n2 0 0\n6 0 1 2 3 4 5\n2 0 1\n0\n"));
+  EXPECT_EQ(of_ply.triangles, of_obj.triangles);
+  const Scene of_stl = load_file(directory.write(
+      "a.stl",
+      "solid\nfacet\nouter loop\nvertex 2 1 0\nvertex 1 1 0\nvertex 1 2 0\nvertex 0 2 0\nvertex 0 0 0\n"
+      "vertex 2 0 0\nendloop\nendfacet\nendsolid\n"));
+  EXPECT_EQ(of_stl.triangles, of_obj.triangles);
 }
 
 TEST(LoadFile, ReadsPlyOfAnyByteOrderWithPropertiesNobodyAskedFor) {
@@ -221,12 +203,6 @@ TEST(LoadFile, KeepsDegenerateTriangles) {
             2u);
 }
 
-std::string gltf_with_picture(std::string_view uri) {
-  constexpr std::string_view other = "absent.png";
-  std::string text = gltf(R"("uri":"buffer.bin",)");
-  return text.replace(text.find(other), other.size(), uri);
-}
-
 struct BadFile {
   std::string name, bytes;
   Error::Code code;
@@ -243,9 +219,10 @@ TEST(LoadFile, SaysInOneLineWhatIsWrongAndWhere) {
   const std::string little = ply_header("binary_little_endian");
   const BadFile files[] = {
       {"empty.obj", "", Error::bad_format, "is empty"},
+      {"wide.obj", std::string("\xff\xfev\0 \0", 6), Error::bad_format, "is a text in UTF-16"},
       {"a.xyz", "1 2 3", Error::bad_format, "unknown type"},
       {"none.obj", obj_vertices, Error::bad_format, "no triangles"},
-      {"cut.obj", obj + "f 1 2", Error::bad_format, "line 5: the face has fewer than three vertices"},
+      {"index.obj", obj + "f 1 2 x", Error::bad_format, "line 5: 'x' is not the number of a vertex"},
       {"range.obj", obj + "f 1 2 4\n", Error::index_out_of_range, "line 5: the face names vertex 4"},
       {"zero.obj", obj_vertices + "f 0 1 2\n", Error::index_out_of_range, "line 4: the face names vertex 0"},
       {"negative.obj", obj_vertices + "f -1 -2 -4\n", Error::index_out_of_range,
@@ -261,7 +238,7 @@ TEST(LoadFile, SaysInOneLineWhatIsWrongAndWhere) {
       {"header.ply", ascii_ply.substr(0, 60), Error::bad_format, "truncated: the header has no end_header"},
       {"cut.ply", ascii_ply.substr(0, ascii_ply.size() - 3), Error::bad_format, "truncated: line 14: face 0"},
       {"cut_vertices.ply", ascii_ply.substr(0, ascii_ply.size() - 16), Error::bad_format,
-       "truncated: line 12: vertex 1"},
+       "truncated: line 11: 3 elements vertex cannot be in the 11 bytes"},
       {"range.ply", ply_header("ascii") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", Error::index_out_of_range,
        "face 0 names vertex 3"},
       {"negative.ply", ply_header("ascii") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", Error::index_out_of_range,
@@ -274,7 +251,8 @@ TEST(LoadFile, SaysInOneLineWhatIsWrongAndWhere) {
        "truncated: line 14"},
       {"cut_binary.ply", binary_ply.substr(0, binary_ply.size() - 1), Error::bad_format,
        "truncated: ends at byte"},
-      {"cut_binary_vertices.ply", little + vertex_bytes.substr(1), Error::bad_format, "within vertex 2 of 3"},
+      {"cut_binary_vertices.ply", little + vertex_bytes.substr(1), Error::bad_format,
+       "3 elements vertex cannot be in the 35 bytes"},
       {"range_binary.ply", little + vertex_bytes + '\3' + binary(0, 1, 77), Error::index_out_of_range,
        "face 0 names vertex 77"},
       {"nan_binary.ply", little + nan_vertices + '\3' + binary(0, 1, 2), Error::non_finite_vertex,
@@ -307,14 +285,12 @@ TEST(LoadFile, SaysInOneLineWhatIsWrongAndWhere) {
        "nodes[0]"},
       {"no_mesh.gltf", gltf(R"("uri":"buffer.bin",)", R"("mesh":5)"), Error::bad_format, "5"},
       {"deep.gltf", std::string(100000, '['), Error::bad_format, "nested"},
-      {"no_base64.gltf", gltf(R"("uri":"data:application/octet-stream,AAAA",)"), Error::bad_format,
+      {"no_comma.gltf", gltf(R"("uri":"data:application/octet-stream;base64",)"), Error::bad_format,
        "buffers[0]: a data URI"},
-      {"long_head.gltf", gltf(R"("uri":"data:a)" + std::string(130, 'b') + R"(;base64,AAAA",)"),
-       Error::bad_format, "buffers[0]: a data URI"},
+      {"short_data.gltf", gltf(R"("uri":"data:application/octet-stream,AAAA",)"), Error::bad_format,
+       "truncated: buffers[0] should have 44 bytes and has 4"},
       {"digits.gltf", gltf(R"("uri":"data:;base64,AAAAAA*A",)"), Error::bad_format,
        "buffers[0]: no base64 from character 6"},
-      {"picture.gltf", gltf_with_picture("data:image/png;base64,AAA"), Error::bad_format,
-       "images[0]: no base64 from character 3 of 3"},
       {"twice.gltf", gltf(R"("uri":"buffer.bin",)", R"("mesh":0,"mesh":1)"), Error::bad_format,
        "two members \"mesh\""},
       {"cut.glb", glb(gltf_buffer()).substr(0, 300), Error::bad_format, "truncated"},

@@ -1,0 +1,126 @@
+#include "workbench/formats/read_obj.hpp"
+
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <kerf/error.hpp>
+
+#include "support/temporary_directory.hpp"
+#include "workbench/formats/load_file.hpp"
+
+namespace workbench {
+namespace {
+
+using kerf::Error;
+using kerf::Vec3f;
+using Triangle = std::array<Vec3f, 3>;
+
+std::vector<Triangle> triangles_of(const Scene& scene) {
+  std::vector<Triangle> triangles;
+  for (const auto& [a, b, c] : scene.triangles)
+    triangles.push_back({scene.vertices[a], scene.vertices[b], scene.vertices[c]});
+  return triangles;
+}
+
+std::vector<Triangle> read(const std::string& text) {
+  const TemporaryDirectory directory;
+  return triangles_of(load_file(directory.write("a.obj", text)));
+}
+
+void expect_error(const std::string& text, Error::Code code, const std::string& cause) {
+  SCOPED_TRACE(text);
+  try {
+    read(text);
+    ADD_FAILURE() << "was read";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_NE(std::string(error.what()).find(cause), std::string::npos) << error.what();
+  }
+}
+
+const std::vector<Triangle> unit = {{Vec3f{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+
+TEST(ReadObj, LinesEndInAnyWay) {
+  for (const std::string end : {"\n", "\r\n", "\r", "\r\r\n"}) {
+    std::string text;
+    for (const char* line : {"v 0 0 0", "", "v 1 0 0", "# nothing", "v 0 1 0", "f 1 2 3"}) text += line + end;
+    EXPECT_EQ(read(text), unit);
+    EXPECT_EQ(read(text.substr(0, text.size() - end.size())), unit);
+  }
+  EXPECT_EQ(read("v 0 0 0\r\nv 1 0 0\nv 0 1 0\rf 1 2 3"), unit);
+}
+
+TEST(ReadObj, AByteOrderMarkHasNoContent) {
+  EXPECT_EQ(read("\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), unit);
+  EXPECT_EQ(read("\xef\xbb\xbf# made by\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), unit);
+}
+
+TEST(ReadObj, ABackslashJoinsLinesOfStatementsOnly) {
+  EXPECT_EQ(read("v \\\n0 0 \\ \t\n 0\nv 1\\\r\n 0 0\nv 0 \\\n\\\n1 0\nf 1 \\\n2\\\n 3\\"), unit);
+  EXPECT_EQ(read("# c:\\\nv 0 0 0\nv 1 0 0 # d:\\\nv 0 1 0\nusemtl e:\\\nf 1 2 3 # f:\\\n"), unit);
+}
+
+TEST(ReadObj, WhatIsNeitherVertexNorFaceIsPassedOver) {
+  EXPECT_EQ(read("mtllib a.mtl\no a\ng f 1 2\ns 1\nvt nan\nvn x y z\nvp 1\nv 0 0 0\n v  1\t0 0 0.5 .5 .5 "
+                 "1\n\tv 0 1 0 7\n"
+                 "curv 0 1 1 2\ncstype bezier\nl 1 2\np 9\nf 1/9/9 2//9 3/\n#f 1 1 1\nf 1 2\nf\n"),
+            unit);
+  EXPECT_EQ(read("v 0 0 0\nv 1 0 0\nv 0 1 0\nfo 1 2 3\n"), unit);  // as old files call faces
+}
+
+TEST(ReadObj, NegativeNumbersCountBackFromTheFace) {
+  std::string text;
+  std::vector<Triangle> expected;
+  for (int i = 0; i < 30'000; ++i) {  // in many parts of the file
+    const std::string z = std::to_string(i);
+    text += "v 0 0 " + z + "\nv 1 0 " + z + "\nv 0 1 " + z + "\nf " +
+            (i % 2 ? "-3 -2 -1" : std::to_string(3 * i + 1) + " -2 " + std::to_string(3 * i + 3)) + "\n";
+    const auto f = static_cast<float>(i);
+    expected.push_back({Vec3f{0, 0, f}, {1, 0, f}, {0, 1, f}});
+  }
+  EXPECT_EQ(read(text), expected);
+  EXPECT_EQ(read("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"),
+            unit);  // positive ones may come before their vertices
+}
+
+TEST(ReadObj, AVertexMattersIfAFaceUsesIt) {
+  EXPECT_EQ(read("v nan nan nan\nv 0 0 0\nv 1 0 0\nv\nv 0 1 0\nv 1 x\nf 2 3 5\n"), unit);
+  const std::string three = "v 0 0 0\nv 1 0 0\n# no vertex\n", face = "\nf 1 2 3\n";
+  expect_error(three + "v 0 nan 0" + face, Error::non_finite_vertex, "line 4: vertex 3 is not finite: nan");
+  expect_error(three + "v 0 1e39 0" + face, Error::non_finite_vertex, "line 4: vertex 3 is not finite: 1e39");
+  expect_error(three + "v 0 -1.#IND 0" + face, Error::non_finite_vertex,
+               "line 4: vertex 3 is not finite: -1.#IND");
+  expect_error(three + "v 0 0,5 0" + face, Error::bad_format, "line 4: vertex 3: '0,5' is not a number");
+  expect_error(three + "v 0 1 # 0" + face, Error::bad_format, "line 4: vertex 3 has 2 coordinates");
+}
+
+TEST(ReadObj, ErrorsNameTheLineInLargeFiles) {
+  std::string text;
+  for (int i = 0; i < 100'000; ++i) text += "v 0 0 0\n# " + std::to_string(i) + "\n";
+  expect_error(text + "f 1 2 3\nf 1\nf 3 100001 -1 7\n", Error::index_out_of_range,
+               "line 200003: the face names vertex 100001, but they go from 1 to 100000");
+  expect_error(text + "f 1 2 3\nf 1\nf 3 -100001 -1 7\n", Error::index_out_of_range,
+               "line 200003: the face names vertex -100001, but there are 100000 before it");
+  expect_error(text + "f 1 2 3\nf 1 2 0\n", Error::index_out_of_range,
+               "line 200002: the face names vertex 0");
+  expect_error(text + "f 1 2 99999999999999999999\n", Error::index_out_of_range,
+               "line 200001: the face names vertex");
+  expect_error(text + "v inf 0 0\nf -1 1 2\n", Error::non_finite_vertex,
+               "line 200001: vertex 100001 is not finite: inf");
+}
+
+TEST(ReadObj, CountsTrianglesThatRoundingFlattens) {
+  const TemporaryDirectory directory;
+  const auto flattened = [&](const std::string& text) {
+    return load_file(directory.write("a.obj", text)).contents.flattened_triangles;
+  };
+  EXPECT_EQ(flattened("v 8000000.1 0 0\nv 8000000.2 0 0\nv 8000000.2 1 0\nf 1 2 3\n"), 1u);
+  EXPECT_EQ(flattened("v 8000000 0 0\nv 8000001 0 0\nv 8000001 1.1 0\nf 1 2 3\n"), 0u);
+  EXPECT_EQ(flattened("v 0.1 0.1 0.1\nv 0.2 0.2 0.2\nv 0.3 0.3 0.3\nf 1 2 3\n"),
+            0u);  // has no area in the file either
+  EXPECT_EQ(flattened("v 8000000.1 0 0\nv 8000000.2 0 0\nv 8000000.3 0 0\nf 1 2 3\nf 1 1 2\n"), 0u);
+}
+
+}  // namespace
+}  // namespace workbench
