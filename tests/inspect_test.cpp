@@ -130,7 +130,8 @@ TEST_F(Inspect, StepsCanBeRepeated) {
   repeat_node_steps(bvh, ray, 10);
   const Layout arrays = layout(bvh);
   for (std::uint32_t slot = 0; slot < arrays.width; ++slot) {
-    if (const ChildLink child = arrays.child(0, slot); child.is_leaf()) repeat_leaf_tests(bvh, ray, child, 10);
+    if (const ChildLink child = arrays.child(0, slot); child.is_leaf())
+      repeat_leaf_tests(bvh, ray, child, 10);
   }
   EXPECT_EQ(instruction_set(bvh), instruction_set());
 }
