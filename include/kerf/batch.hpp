@@ -87,6 +87,7 @@ struct RayView {
 /// Many points: whatever a `TripleView<float>` is made from, or one.
 class PointView {
  public:
+  /// The points of whatever a `TripleView<float>` is made from.
   template <class Points>
   requires(!std::same_as<std::remove_cvref_t<Points>, PointView> &&
            std::constructible_from<TripleView<float>, Points>)
