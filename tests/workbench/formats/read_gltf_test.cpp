@@ -246,7 +246,7 @@ TEST(ReadGltf, NodesMoveWhatIsBelowThem) {
   ASSERT_EQ(triangles.size(), 3u);
   EXPECT_EQ(triangles[0], (Triangle{Vec3f{0, 0, 5}, {-2, 0, 5}, {0, 1, 5}}));
   const auto expect_near = [](const Triangle& triangle, const Triangle& expected) {
-    for (int i = 0; i < 3; ++i) {
+    for (std::size_t i = 0; i < 3; ++i) {
       for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(triangle[i][axis], expected[i][axis], 1e-6);
     }
   };
