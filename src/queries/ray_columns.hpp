@@ -55,6 +55,7 @@ inline void write_hit(const HitView& hits, std::size_t i, const Hit& hit) {
 /// The array of `Ray` that the columns are, or null if they are none.
 inline const Ray* as_array(const RayView& rays) {
   const float* const first = rays.origin[0].data;
+  if (first == nullptr) return nullptr;
   const Column<const float>* const columns[] = {&rays.origin[0],    &rays.origin[1],    &rays.origin[2],
                                                 &rays.direction[0], &rays.direction[1], &rays.direction[2],
                                                 &rays.t_min,        &rays.t_max};
@@ -69,6 +70,7 @@ inline const Ray* as_array(const RayView& rays) {
 /// The array of `Hit` that the columns are, or null if they are none.
 inline Hit* as_array(const HitView& hits) {
   float* const first = hits.t.data;
+  if (first == nullptr) return nullptr;
   constexpr auto stride = static_cast<std::ptrdiff_t>(sizeof(Hit));
   const bool beside = hits.u.data == first + 1 && hits.v.data == first + 2 &&
                       reinterpret_cast<float*>(hits.primitive.data) == first + 3 &&

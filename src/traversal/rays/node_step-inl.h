@@ -172,7 +172,7 @@ HWY_INLINE void push_children(const Node& node, const Spans& spans, std::uint32_
     hn::StoreU(shuffle_words(first, front), floats, stack.t + depth);
   }
   depth += static_cast<std::size_t>(std::popcount(met));
-  nearest = stack.link[depth - 1];
+  nearest = stack.link[depth == 0 ? 0 : depth - 1];
 #else
   // Every slot is written where the next one belongs, and stays if it is met: no branch depends on the ray.
   if constexpr (any_hit) {
@@ -191,7 +191,7 @@ HWY_INLINE void push_children(const Node& node, const Spans& spans, std::uint32_
       depth += (met >> slot) & 1;
     }
   }
-  nearest = stack.link[depth - 1];
+  nearest = stack.link[depth == 0 ? 0 : depth - 1];
 #endif
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,7 +13,8 @@
 namespace workbench {
 namespace {
 
-Real parse(const std::string& text) {
+// `text` must outlive the result, which points to its end.
+Real parse(std::string_view text) {
   return parse_real(text.data(), text.data() + text.size());
 }
 

@@ -67,7 +67,7 @@ struct Maker {
   std::string gltf(Json buffer) const {
     Json whole = json;
     buffer["byteLength"] = bytes.size();
-    whole["buffers"] = {std::move(buffer)};
+    whole["buffers"] = Json::array({std::move(buffer)});
     return whole.dump();
   }
   std::string glb() const {
