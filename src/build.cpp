@@ -42,10 +42,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-}  // namespace
-
-namespace {
-
 std::vector<std::uint32_t> masks_of(std::span<const TriangleMesh> meshes) {
   std::vector<std::uint32_t> masks;
   if (std::all_of(meshes.begin(), meshes.end(), [](const TriangleMesh& m) { return m.mask == Mask(); }))

@@ -136,6 +136,7 @@ Bvh join_meshes(const Bvh& bvh) {
   return report_out_of_memory([&] {
     auto joined = std::make_shared<Structure>(Structure::of(bvh));
     joined->first_triangles = {0, static_cast<std::uint32_t>(joined->statistics.triangles)};
+    joined->masks.clear();  // one mesh, which every ray sees
     return Structure::share(std::move(joined));
   });
 }

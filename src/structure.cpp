@@ -7,14 +7,8 @@ namespace kerf {
 ChildLink TriangleLeaves::operator()(const WideBvh& bvh, std::size_t triangles, std::uint32_t id) const {
   std::call_once(once_, [&] {
     std::vector<ChildLink> leaves(triangles);
-    with_width(bvh.width, [&](auto width) {
-      for (const auto& node : std::span(bvh.nodes<WideNode<width>>(), bvh.node_count)) {
-        for (std::uint32_t slot = 0; slot < width; ++slot) {
-          const ChildLink child = node.children[slot];
-          if (!child.is_leaf() || child_box(node, slot).empty()) continue;
-          for (std::uint32_t i = 0; i < child.count(); ++i) leaves[triangle_id(bvh, child, i)] = child;
-        }
-      }
+    for_each_leaf(bvh, [&](ChildLink leaf) {
+      for (std::uint32_t i = 0; i < leaf.count(); ++i) leaves[triangle_id(bvh, leaf, i)] = leaf;
     });
     leaves_ = std::move(leaves);
   });

@@ -56,4 +56,11 @@ inline PrimitiveId locate(const Structure& structure, std::uint32_t id) {
   return locate(structure.first_triangles, id);
 }
 
+/// Kernels number triangles over all meshes; users name them by mesh and primitive.
+inline void name_triangle(const Structure& structure, Hit& hit) {
+  const PrimitiveId id = locate(structure, hit.primitive);
+  hit.primitive = id.primitive;
+  hit.mesh = id.mesh;
+}
+
 }  // namespace kerf

@@ -136,8 +136,9 @@ void add_bench_command(CLI::App& app) {
       ->check(CLI::IsMember({"embree", "none"}))
       ->capture_default_str();
   command
-      ->add_option("--rays", arguments->rays,
-                   "Where single rays are: made right before each call, ready in an array, or both in turns")
+      ->add_option(
+          "--rays", arguments->rays,
+          "Where single rays are: made right before each call, ready in an array, or both, interleaved")
       ->check(CLI::IsMember({"made", "array", "both"}))
       ->capture_default_str();
   command

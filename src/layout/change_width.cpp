@@ -23,7 +23,7 @@ enum class Join {
 };
 
 // The binary nodes between a wide node and its children.
-struct Bushel {
+struct ChildTree {
   struct Member {
     Box3f box;
     std::uint32_t height;       // of the binary tree below
@@ -39,8 +39,8 @@ class Unfolding {
   Unfolding(const WideBvh& wide, Join join) : wide_(wide), join_(join), heights_(wide.node_count, none) {
     // Children come after their parents.
     for (std::uint32_t number = wide.node_count; number-- > 0;) {
-      const Bushel bushel = join_children(number);
-      if (bushel.count != 0) heights_[number] = bushel.members[bushel.root].height;
+      const ChildTree between = join_children(number);
+      if (between.count != 0) heights_[number] = between.members[between.root].height;
     }
   }
 
@@ -57,9 +57,9 @@ class Unfolding {
  private:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();  // no leaf below
 
-  Bushel join_children(std::uint32_t number) const {
+  ChildTree join_children(std::uint32_t number) const {
     const Node& node = wide_.nodes<Node>()[number];
-    Bushel bushel;
+    ChildTree between;
     std::array<std::uint32_t, max_node_width> open;  // members without a parent
     std::uint32_t open_count = 0;
     for (std::uint32_t slot = 0; slot < Node::width; ++slot) {
@@ -67,32 +67,32 @@ class Unfolding {
       const ChildLink child = node.children[slot];
       const std::uint32_t height = child.is_leaf() ? 0 : heights_[child.node()];
       if (box.empty() || height == none) continue;
-      open[open_count++] = bushel.count;
-      bushel.members[bushel.count++] = {box, height, slot, slot};
+      open[open_count++] = between.count;
+      between.members[between.count++] = {box, height, slot, slot};
     }
     while (open_count > 1) {
-      const auto [i, j] = best_pair(bushel, open, open_count);
-      const auto& a = bushel.members[open[i]];
-      const auto& b = bushel.members[open[j]];
-      bushel.members[bushel.count] = {merge(a.box, b.box), 1 + std::max(a.height, b.height), open[i],
-                                      open[j]};
-      open[i] = bushel.count++;
+      const auto [i, j] = best_pair(between, open, open_count);
+      const auto& a = between.members[open[i]];
+      const auto& b = between.members[open[j]];
+      between.members[between.count] = {merge(a.box, b.box), 1 + std::max(a.height, b.height), open[i],
+                                        open[j]};
+      open[i] = between.count++;
       open[j] = open[--open_count];
     }
-    if (open_count == 1) bushel.root = open[0];
-    return bushel;
+    if (open_count == 1) between.root = open[0];
+    return between;
   }
 
   // The first of the best, i < j.
-  std::pair<std::uint32_t, std::uint32_t> best_pair(const Bushel& bushel,
+  std::pair<std::uint32_t, std::uint32_t> best_pair(const ChildTree& between,
                                                     const std::array<std::uint32_t, max_node_width>& open,
                                                     std::uint32_t open_count) const {
     std::pair<std::uint32_t, std::uint32_t> best{0, 1};
     float best_cost = std::numeric_limits<float>::infinity();
     for (std::uint32_t j = 1; j < open_count; ++j) {
       for (std::uint32_t i = 0; i < j; ++i) {
-        const auto& a = bushel.members[open[i]];
-        const auto& b = bushel.members[open[j]];
+        const auto& a = between.members[open[i]];
+        const auto& b = between.members[open[j]];
         const float cost =
             join_ == Join::lowest ? static_cast<float>(a.height + b.height) : half_area(merge(a.box, b.box));
         if (cost < best_cost) {
@@ -105,21 +105,21 @@ class Unfolding {
   }
 
   void unfold(std::uint32_t number, std::uint32_t place, BinaryTree& tree) const {
-    const Bushel bushel = join_children(number);
-    unfold(number, bushel, bushel.root, place, tree);
+    const ChildTree between = join_children(number);
+    unfold(number, between, between.root, place, tree);
   }
 
-  void unfold(std::uint32_t number, const Bushel& bushel, std::uint32_t member, std::uint32_t place,
+  void unfold(std::uint32_t number, const ChildTree& between, std::uint32_t member, std::uint32_t place,
               BinaryTree& tree) const {
-    const auto& [box, height, left, right] = bushel.members[member];
+    const auto& [box, height, left, right] = between.members[member];
     tree.nodes[place].bounds = box;
     if (left != right) {
       const auto first = static_cast<std::uint32_t>(tree.nodes.size());
       tree.nodes[place].first = first;
       tree.nodes.push_back({});
       tree.nodes.push_back({});
-      unfold(number, bushel, left, first, tree);
-      unfold(number, bushel, right, first + 1, tree);
+      unfold(number, between, left, first, tree);
+      unfold(number, between, right, first + 1, tree);
       return;
     }
     const ChildLink child = wide_.nodes<Node>()[number].children[left];
@@ -142,17 +142,9 @@ std::vector<float> vertices_by_triangle(const WideBvh& wide, std::size_t triangl
       for (int axis = 0; axis < 3; ++axis) *to++ = v[axis];
     }
   };
-  with_width(wide.width, [&](auto width) {
-    using Node = WideNode<width>;
-    for (std::uint32_t number = 0; number < wide.node_count; ++number) {
-      const Node& node = wide.nodes<Node>()[number];
-      for (std::uint32_t slot = 0; slot < width; ++slot) {
-        const ChildLink leaf = node.children[slot];
-        if (!leaf.is_leaf() || child_box(node, slot).empty()) continue;
-        for (std::uint32_t i = 0; i < leaf.count(); ++i)
-          copy(triangle_in(wide, leaf, i), &vertices[9 * triangle_id(wide, leaf, i)]);
-      }
-    }
+  for_each_leaf(wide, [&](ChildLink leaf) {
+    for (std::uint32_t i = 0; i < leaf.count(); ++i)
+      copy(triangle_in(wide, leaf, i), &vertices[9 * triangle_id(wide, leaf, i)]);
   });
   return vertices;
 }

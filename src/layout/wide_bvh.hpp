@@ -74,4 +74,17 @@ inline std::uint32_t triangle_id(const WideBvh& bvh, ChildLink leaf, std::uint32
   return triangle_id(bvh.leaves, leaf, i);
 }
 
+/// Calls `visit(leaf)` for each leaf.
+template <class Visit>
+void for_each_leaf(const WideBvh& bvh, const Visit& visit) {
+  with_width(bvh.width, [&](auto width) {
+    for (const auto& node : std::span(bvh.nodes<WideNode<width>>(), bvh.node_count)) {
+      for (std::uint32_t slot = 0; slot < width; ++slot) {
+        const ChildLink child = node.children[slot];
+        if (child.is_leaf() && !child_box(node, slot).empty()) visit(child);
+      }
+    }
+  });
+}
+
 }  // namespace kerf

@@ -30,14 +30,12 @@ class Judge {
  private:
   bool accepts(Hit hit) {
     const std::uint32_t id = hit.primitive;
-    const PrimitiveId name = locate(structure_, id);
-    if (!structure_.masks.empty() && (structure_.masks[name.mesh] & mask_.bits) == 0) return false;
+    name_triangle(structure_, hit);
+    if (!structure_.masks.empty() && (structure_.masks[hit.mesh] & mask_.bits) == 0) return false;
     if (accept_ == nullptr) return true;
     // A triangle that stands in several leaves was refused in the first of them: one that was accepted is no
     // nearer than itself.
     if (asked_ && !report_out_of_memory([&] { return asked_->insert(id); })) return false;
-    hit.primitive = name.primitive;
-    hit.mesh = name.mesh;
     return accept_(context_, hit);
   }
 
@@ -58,9 +56,7 @@ std::optional<Hit> Bvh::intersect_filtered(const Ray& ray, Mask mask, void* cont
   Hit hit;
   structure.kernels->closest_filtered(structure.wide, ray, &judge, Judge::accepts, hit);
   if (!hit) return std::nullopt;
-  const PrimitiveId name = locate(structure, hit.primitive);
-  hit.primitive = name.primitive;
-  hit.mesh = name.mesh;
+  name_triangle(structure, hit);
   return hit;
 }
 

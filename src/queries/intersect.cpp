@@ -11,16 +11,6 @@
 #include "traversal/dispatch.hpp"
 
 namespace kerf {
-namespace {
-
-// Kernels number triangles over all meshes; users name them by mesh and primitive.
-void name_triangle(const Structure& structure, Hit& hit) {
-  const PrimitiveId id = locate(structure, hit.primitive);
-  hit.primitive = id.primitive;
-  hit.mesh = id.mesh;
-}
-
-}  // namespace
 
 std::optional<Hit> Bvh::intersect(const Ray& ray) const {
   std::optional<Hit> hit;

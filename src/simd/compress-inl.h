@@ -20,11 +20,11 @@ namespace kerf {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if KERF_FLOAT_LANES < 16
+#if KERF_FLOAT_LANES == 8
 struct FrontLanes {
   std::uint8_t lane[256][8];  // for each set of lanes, its lanes from 0 up
 };
-[[maybe_unused]] constexpr FrontLanes front_lanes = [] {
+constexpr FrontLanes front_lanes = [] {
   FrontLanes table{};
   for (std::size_t set = 0; set < 256; ++set) {
     std::size_t count = 0;

@@ -24,13 +24,11 @@ static_assert(hn::MaxLanes(hn::ScalableTag<float>()) == KERF_FLOAT_LANES);
 using FloatTag = hn::CappedTag<float, 8>;
 using FloatVector = hn::Vec<FloatTag>;
 inline constexpr std::size_t vector_lanes = hn::MaxLanes(FloatTag());
-inline constexpr std::size_t vector_count = 8 / vector_lanes;
 
 // A vector of doubles has half as many lanes, or eight where vectors are that long.
 using DoubleTag = hn::CappedTag<double, 8>;
 using DoubleVector = hn::Vec<DoubleTag>;
 inline constexpr std::size_t double_lanes = hn::MaxLanes(DoubleTag());
-inline constexpr std::size_t double_count = 8 / double_lanes;
 
 template <std::size_t count>
 struct Floats {
@@ -39,7 +37,6 @@ struct Floats {
   hn::Vec<Tag> vector[vectors];
 };
 using Float8 = Floats<8>;
-using Float16 = Floats<16>;
 
 template <std::size_t count = 8>
 HWY_INLINE Floats<count> load(const float* p) {
@@ -107,18 +104,6 @@ HWY_INLINE std::uint32_t less(const Floats<count>& a, const Floats<count>& b) {
   for (std::size_t i = 0; i < a.vectors; ++i)
     r |= bits(typename Floats<count>::Tag(), hn::Lt(a.vector[i], b.vector[i])) << (i * a.lanes);
   return r;
-}
-
-// Lanes [i * double_lanes, (i + 1) * double_lanes) in double precision.
-template <class Lanes = Float8>
-HWY_INLINE DoubleVector promote(const Lanes& a, std::size_t i) {
-  if constexpr (double_lanes == vector_lanes) {
-    return hn::PromoteTo(DoubleTag(), a.vector[i]);
-  } else {
-    const auto vector = a.vector[i / 2];
-    return hn::PromoteTo(DoubleTag(),
-                         i % 2 == 0 ? hn::LowerHalf(vector) : UpperHalf(hn::Half<FloatTag>(), vector));
-  }
 }
 
 #if HWY_NATIVE_FMA

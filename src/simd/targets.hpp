@@ -36,7 +36,6 @@
 
 // How many children a node has that the kernels of the target at hand trace: as many as are fastest there
 // (docs/decisions/0085).
-#define KERF_NODE_WIDTH (KERF_FLOAT_LANES >= 8 ? KERF_FLOAT_LANES : KERF_NARROW_NODE_WIDTH)
-#define KERF_NARROW_NODE_WIDTH 4
+#define KERF_NODE_WIDTH (KERF_FLOAT_LANES >= 8 ? KERF_FLOAT_LANES : 4)
 
 #include <hwy/targets.h>

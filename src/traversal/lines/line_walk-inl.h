@@ -24,22 +24,6 @@ namespace {
 // No step depends on what was found, so that several nodes are stepped at once, as for rays.
 constexpr std::size_t nodes_per_line_step = 3;
 
-// Takes up to `max_nodes` nodes off the stack and pushes their children.
-template <std::size_t max_nodes, class Stack>
-HWY_INLINE void step_next_on_line(const WideBvh& bvh, const NodeConstants& constants, std::uint32_t octant,
-                                  BoxVector t_max, Stack& stack, std::size_t& depth) {
-  if constexpr (max_nodes > 0) {
-    const ChildLink next(stack.link[depth - 1]);
-    if (next.is_leaf()) return;
-    --depth;
-    const Node& node = node_at(bvh, next.node());
-    const Spans spans = meet_boxes(constants, t_max, node);
-    step_next_on_line<max_nodes - 1>(bvh, constants, octant, t_max, stack, depth);
-    std::uint32_t nearest;
-    push_children<true>(node, spans, octant, stack, depth, nearest);
-  }
-}
-
 // Calls `visit(leaf)` for each leaf whose box the ray meets, until it returns false.
 template <class Visit>
 HWY_INLINE void walk_line(const WideBvh& bvh, const LineRay& line, Visit&& visit) {
@@ -55,7 +39,8 @@ HWY_INLINE void walk_line(const WideBvh& bvh, const LineRay& line, Visit&& visit
     while (!link.is_leaf()) {
       const Node& node = node_at(bvh, link.node());
       const Spans spans = meet_boxes(constants, t_max, node);
-      step_next_on_line<nodes_per_line_step - 1>(bvh, constants, octant, t_max, stack, depth);
+      step_next<true, false, nodes_per_line_step - 1>(bvh, constants, octant, t_max, line.t_max, stack, depth,
+                                                      nullptr);
       const std::uint32_t met = less_or_equal(spans.first, spans.last);
       if (met == 0) {
         at_leaf = false;

@@ -14,6 +14,7 @@
 #include <cstring>
 
 #include <hwy/highway.h>
+#include <kerf/counters.hpp>
 
 #include "simd/compress-inl.h"
 #include "simd/floats-inl.h"
@@ -193,6 +194,25 @@ HWY_INLINE void push_children(const Node& node, const Spans& spans, std::uint32_
   }
   nearest = stack.link[depth == 0 ? 0 : depth - 1];
 #endif
+}
+
+// Takes up to `max_nodes` nodes off the stack and pushes their children.
+template <bool any_hit, bool counting, std::size_t max_nodes, class Stack>
+HWY_INLINE void step_next(const WideBvh& bvh, const NodeConstants& constants, std::uint32_t octant,
+                          BoxVector t_best, float best_t, Stack& stack, std::size_t& depth,
+                          TraversalCounters* counters) {
+  if constexpr (max_nodes > 0) {
+    const ChildLink next(stack.link[depth - 1]);
+    if (next.is_leaf() | (!any_hit && stack.t[depth - 1] > best_t)) return;
+    --depth;
+    if constexpr (counting) ++counters->steps;
+    const Node& node = node_at(bvh, next.node());
+    const Spans spans = meet_boxes(constants, t_best, node);
+    step_next<any_hit, counting, max_nodes - 1>(bvh, constants, octant, t_best, best_t, stack, depth,
+                                                counters);
+    std::uint32_t nearest;
+    push_children<any_hit>(node, spans, octant, stack, depth, nearest);
+  }
 }
 
 }  // namespace

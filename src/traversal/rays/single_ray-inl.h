@@ -34,25 +34,6 @@ constexpr std::size_t nodes_per_step = node_width == 16             ? 3
                                        : node_width == 8 || any_hit ? 2
                                                                     : 1;
 
-// Takes up to `max_nodes` nodes off the stack and pushes their children.
-template <bool any_hit, bool counting, std::size_t max_nodes, class Stack>
-HWY_INLINE void step_next(const WideBvh& bvh, const NodeConstants& constants, std::uint32_t octant,
-                          BoxVector t_best, float best_t, Stack& stack, std::size_t& depth,
-                          TraversalCounters* counters) {
-  if constexpr (max_nodes > 0) {
-    const ChildLink next(stack.link[depth - 1]);
-    if (next.is_leaf() | (!any_hit && stack.t[depth - 1] > best_t)) return;
-    --depth;
-    if constexpr (counting) ++counters->steps;
-    const Node& node = node_at(bvh, next.node());
-    const Spans spans = meet_boxes(constants, t_best, node);
-    step_next<any_hit, counting, max_nodes - 1>(bvh, constants, octant, t_best, best_t, stack, depth,
-                                                counters);
-    std::uint32_t nearest;
-    push_children<any_hit>(node, spans, octant, stack, depth, nearest);
-  }
-}
-
 // Traces a ray that `set_up` took, from the root on.
 template <bool any_hit, bool counting, class Filter>
 HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& ray, const Filter& filter,
