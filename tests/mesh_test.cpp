@@ -13,14 +13,7 @@
 #include <kerf/mesh.hpp>
 #include <kerf/triangle.hpp>
 
-#if __has_include(<eigen3/Eigen/Core>)
-#include <eigen3/Eigen/Core>
-#define KERF_WITH_EIGEN
-#endif
-#if __has_include(<glm/glm.hpp>)
-#include <glm/glm.hpp>
-#define KERF_WITH_GLM
-#endif
+#include "support/vector_libraries.hpp"
 
 namespace kerf {
 namespace {

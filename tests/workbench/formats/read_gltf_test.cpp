@@ -11,8 +11,7 @@
 #include <meshoptimizer.h>
 #include <nlohmann/json.hpp>
 
-#include "support/temporary_directory.hpp"
-#include "workbench/formats/load_file.hpp"
+#include "support/scene_files.hpp"
 
 namespace workbench {
 namespace {
@@ -20,7 +19,8 @@ namespace {
 using kerf::Error;
 using kerf::Vec3f;
 using Json = nlohmann::json;
-using Triangle = std::array<Vec3f, 3>;
+using kerf_tests::triangles_of;
+using Triangle = kerf_tests::Corners;
 
 // A glTF file in the making: its JSON, and the bytes of its one buffer.
 struct Maker {
@@ -92,30 +92,16 @@ Maker unit_maker() {
 }
 
 Scene load(const std::string& bytes, const std::string& name = "a.glb") {
-  const TemporaryDirectory directory;
-  return load_file(directory.write(name, bytes));
+  return kerf_tests::load_as(name, bytes);
 }
 
-std::vector<Triangle> triangles_of(const Scene& scene) {
-  std::vector<Triangle> triangles;
-  for (const auto& [a, b, c] : scene.triangles)
-    triangles.push_back({scene.vertices[a], scene.vertices[b], scene.vertices[c]});
-  return triangles;
-}
 std::vector<Triangle> read(const Maker& maker) {
   return triangles_of(load(maker.glb()));
 }
 
 void expect_error(const Maker& maker, Error::Code code, const std::string& cause) {
   SCOPED_TRACE(maker.json.dump());
-  try {
-    read(maker);
-    ADD_FAILURE() << "was read";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code) << error.what();
-    EXPECT_NE(std::string(error.what()).find(cause), std::string::npos) << error.what();
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-  }
+  kerf_tests::expect_refused([&] { read(maker); }, code, cause);
 }
 
 std::string tell(const Scene& scene) {

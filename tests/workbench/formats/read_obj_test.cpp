@@ -6,37 +6,22 @@
 #include <gtest/gtest.h>
 #include <kerf/error.hpp>
 
-#include "support/temporary_directory.hpp"
-#include "workbench/formats/load_file.hpp"
+#include "support/scene_files.hpp"
 
 namespace workbench {
 namespace {
 
 using kerf::Error;
 using kerf::Vec3f;
-using Triangle = std::array<Vec3f, 3>;
-
-std::vector<Triangle> triangles_of(const Scene& scene) {
-  std::vector<Triangle> triangles;
-  for (const auto& [a, b, c] : scene.triangles)
-    triangles.push_back({scene.vertices[a], scene.vertices[b], scene.vertices[c]});
-  return triangles;
-}
+using Triangle = kerf_tests::Corners;
 
 std::vector<Triangle> read(const std::string& text) {
-  const TemporaryDirectory directory;
-  return triangles_of(load_file(directory.write("a.obj", text)));
+  return kerf_tests::triangles_of(kerf_tests::load_as("a.obj", text));
 }
 
 void expect_error(const std::string& text, Error::Code code, const std::string& cause) {
   SCOPED_TRACE(text);
-  try {
-    read(text);
-    ADD_FAILURE() << "was read";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code) << error.what();
-    EXPECT_NE(std::string(error.what()).find(cause), std::string::npos) << error.what();
-  }
+  kerf_tests::expect_refused([&] { read(text); }, code, cause);
 }
 
 const std::vector<Triangle> unit = {{Vec3f{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};

@@ -7,34 +7,22 @@
 #include <gtest/gtest.h>
 #include <kerf/error.hpp>
 
-#include "support/temporary_directory.hpp"
-#include "workbench/formats/load_file.hpp"
+#include "support/scene_files.hpp"
 
 namespace workbench {
 namespace {
 
 using kerf::Error;
 using kerf::Vec3f;
-using Triangle = std::array<Vec3f, 3>;
+using Triangle = kerf_tests::Corners;
 
 std::vector<Triangle> read(const std::string& bytes) {
-  const TemporaryDirectory directory;
-  const Scene scene = load_file(directory.write("a.ply", bytes));
-  std::vector<Triangle> triangles;
-  for (const auto& [a, b, c] : scene.triangles)
-    triangles.push_back({scene.vertices[a], scene.vertices[b], scene.vertices[c]});
-  return triangles;
+  return kerf_tests::triangles_of(kerf_tests::load_as("a.ply", bytes));
 }
 
 void expect_error(const std::string& bytes, Error::Code code, const std::string& cause) {
   SCOPED_TRACE(bytes);
-  try {
-    read(bytes);
-    ADD_FAILURE() << "was read";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code) << error.what();
-    EXPECT_NE(std::string(error.what()).find(cause), std::string::npos) << error.what();
-  }
+  kerf_tests::expect_refused([&] { read(bytes); }, code, cause);
 }
 
 template <class... Values>

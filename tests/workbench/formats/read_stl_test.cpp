@@ -6,38 +6,26 @@
 #include <gtest/gtest.h>
 #include <kerf/error.hpp>
 
-#include "support/temporary_directory.hpp"
-#include "workbench/formats/load_file.hpp"
+#include "support/scene_files.hpp"
 
 namespace workbench {
 namespace {
 
 using kerf::Error;
 using kerf::Vec3f;
-using Triangle = std::array<Vec3f, 3>;
+using Triangle = kerf_tests::Corners;
 
 Scene load(const std::string& bytes) {
-  const TemporaryDirectory directory;
-  return load_file(directory.write("a.stl", bytes));
+  return kerf_tests::load_as("a.stl", bytes);
 }
 
 std::vector<Triangle> read(const std::string& bytes) {
-  const Scene scene = load(bytes);
-  std::vector<Triangle> triangles;
-  for (const auto& [a, b, c] : scene.triangles)
-    triangles.push_back({scene.vertices[a], scene.vertices[b], scene.vertices[c]});
-  return triangles;
+  return kerf_tests::triangles_of(load(bytes));
 }
 
 void expect_error(const std::string& bytes, const std::string& cause, Error::Code code = Error::bad_format) {
   SCOPED_TRACE(bytes);
-  try {
-    read(bytes);
-    ADD_FAILURE() << "was read";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), code) << error.what();
-    EXPECT_NE(std::string(error.what()).find(cause), std::string::npos) << error.what();
-  }
+  kerf_tests::expect_refused([&] { read(bytes); }, code, cause);
 }
 
 const Triangle unit = {Vec3f{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, wide = {Vec3f{0, 0, 0}, {9, 0, 0}, {0, 1, 0}};
