@@ -263,19 +263,22 @@ class KERF_API Bvh {
   std::vector<MeshStatistics> mesh_statistics() const;
 
   /// Writes the hierarchy to a file (docs/file-format.md). The same meshes and options give the same bytes,
-  /// whatever the number of threads. The file is written beside `path` and gets its name when it is complete
-  /// and on the disk, so that a crash leaves the old file or the new one. The permissions of an old file are
-  /// kept and links are followed. What is not a regular file (a directory, a device) is not replaced. Throws
-  /// `Error::io` or `out_of_memory`.
+  /// whatever the number of threads, on all machines whose nodes have as many children (`Layout::width`).
+  /// Masks are not written: in a hierarchy from a file every mesh has all bits. The file is written beside
+  /// `path` and gets its name when it is complete and on the disk, so that a crash leaves the old file or the
+  /// new one. The permissions of an old file are kept and links are followed. What is not a regular file (a
+  /// directory, a device) is not replaced. Throws `Error::io` or `out_of_memory`.
   void save(const std::filesystem::path& path) const;
 
-  /// Reads a file that `save` wrote. Everything in it is checked before it is used: a damaged or forged file
-  /// is refused with `Error::bad_format`, which says what is wrong. A large file is read on all cores. Also
-  /// throws `Error::io` or `out_of_memory`. The statistics about the build itself are 0.
+  /// Reads a file that `save` wrote. Nodes of another width than this machine traces are converted.
+  /// Everything in it is checked before it is used: a damaged or forged file is refused with
+  /// `Error::bad_format`, which says what is wrong. A large file is read on all cores. Also throws
+  /// `Error::io` or `out_of_memory`. The statistics about the build itself are 0.
   static Bvh load(const std::filesystem::path& path);
 
-  /// As `load`, but maps the file into memory that all processes that do so share. Nobody may change or
-  /// truncate the file meanwhile; `load` has no such condition.
+  /// As `load`, but refuses nodes of another width with `Error::bad_format`, and maps the file into memory
+  /// that all processes that do so share. Nobody may change or truncate the file meanwhile; `load` has no
+  /// such condition.
   static Bvh map(const std::filesystem::path& path);
 
   /// Where the local frame lies in which the hierarchy was built: 0 unless it was built from a `DoubleMesh`.
