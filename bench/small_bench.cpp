@@ -5,8 +5,8 @@
 //
 // Benchmarks that are compared with one another should run interleaved:
 //
-//     build/release/bin/small_bench --benchmark_enable_random_interleaving=true --benchmark_repetitions=9 \
-//                                   --benchmark_report_aggregates_only=true
+//     build/release/bin/small_bench --benchmark_enable_random_interleaving=true
+//         --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
 
 #include <algorithm>
 #include <array>
