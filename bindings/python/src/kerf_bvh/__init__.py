@@ -1,0 +1,40 @@
+"""kerf: exact, watertight ray tracing and spatial queries on triangle meshes.
+
+    bvh = kerf_bvh.Bvh(vertices, faces)
+    hits = bvh.intersect(origins, directions)
+"""
+
+from ._bvh import ALL, BuildOptions, Bvh, build_memory_bound
+from ._kerf import Cancelled
+from ._results import (
+    INVALID,
+    Geometry,
+    Hits,
+    Lists,
+    MeshStatistics,
+    Primitives,
+    Side,
+    Statistics,
+    SurfacePoints,
+    TouchingPairs,
+)
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "ALL",
+    "INVALID",
+    "BuildOptions",
+    "Bvh",
+    "Cancelled",
+    "Geometry",
+    "Hits",
+    "Lists",
+    "MeshStatistics",
+    "Primitives",
+    "Side",
+    "Statistics",
+    "SurfacePoints",
+    "TouchingPairs",
+    "build_memory_bound",
+]

@@ -1,0 +1,103 @@
+from collections.abc import Callable, Sequence
+from os import PathLike
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Float32 = npt.NDArray[np.float32]
+UInt32 = npt.NDArray[np.uint32]
+UInt8 = npt.NDArray[np.uint8]
+Int64 = npt.NDArray[np.int64]
+Triple = tuple[float, float, float]
+
+class Cancelled(Exception): ...
+
+class Bvh:
+    def __init__(self) -> None: ...
+    def origin(self) -> Triple: ...
+    def bounds(self) -> tuple[Triple, Triple]: ...
+    def statistics(self) -> tuple[int, int, int, int, int, int, int, int, float]: ...
+    def mesh_statistics(self) -> list[tuple[int, int, int, Triple, Triple]]: ...
+    def save(self, path: str | PathLike[str]) -> None: ...
+
+def load(path: str | PathLike[str]) -> Bvh: ...
+def map(path: str | PathLike[str]) -> Bvh: ...
+def build(
+    vertices: Sequence[npt.NDArray[Any]],
+    faces: Sequence[npt.NDArray[Any]],
+    masks: Sequence[int],
+    builder: str,
+    alpha: float,
+    max_reference_ratio: float,
+    max_leaf_size: int,
+    threads: int,
+    skip_non_finite: bool,
+    presplit_references: int,
+    progress: Callable[[float], object] | None,
+) -> Bvh: ...
+def build_memory_bound(triangles: int, builder: str, max_reference_ratio: float) -> int: ...
+def intersect(
+    bvh: Bvh,
+    origins: Float32,
+    directions: Float32,
+    t_min: Float32 | None,
+    t_max: Float32 | None,
+    mask: UInt32 | None,
+    accepted: UInt8 | None,
+    offsets: Int64 | None,
+    t: Float32,
+    u: Float32,
+    v: Float32,
+    primitive: UInt32,
+    mesh: UInt32,
+    threads: int,
+) -> None: ...
+def occluded(
+    bvh: Bvh,
+    origins: Float32,
+    directions: Float32,
+    t_min: Float32 | None,
+    t_max: Float32 | None,
+    mask: UInt32 | None,
+    accepted: UInt8 | None,
+    offsets: Int64 | None,
+    answers: UInt8,
+    threads: int,
+) -> None: ...
+def count_hits(
+    bvh: Bvh,
+    origins: Float32,
+    directions: Float32,
+    t_min: Float32 | None,
+    t_max: Float32 | None,
+    counts: UInt32,
+    threads: int,
+) -> None: ...
+def all_hits(
+    bvh: Bvh, origins: Float32, directions: Float32, t_min: Float32 | None, t_max: Float32 | None, threads: int
+) -> tuple[UInt8, UInt8]: ...
+def geometry(
+    bvh: Bvh,
+    origins: Float32,
+    directions: Float32,
+    t: Float32,
+    u: Float32,
+    v: Float32,
+    primitive: UInt32,
+    mesh: UInt32,
+    corners: Float32,
+    normals: Float32,
+    front: UInt8,
+) -> None: ...
+def contains(bvh: Bvh, points: Float32, inside: UInt8, threads: int) -> None: ...
+def side(bvh: Bvh, points: Float32, sides: UInt8, threads: int) -> None: ...
+def signed_distance(bvh: Bvh, points: Float32, distances: Float32, threads: int) -> None: ...
+def closest_point(bvh: Bvh, points: Float32, closest: UInt8, max_distance: float, threads: int) -> None: ...
+def nearest(bvh: Bvh, points: Float32, count: int, max_distance: float, threads: int) -> tuple[UInt8, UInt8]: ...
+def within(bvh: Bvh, points: Float32, radius: float, threads: int) -> tuple[UInt8, UInt8]: ...
+def to_local(bvh: Bvh, points: npt.NDArray[np.float64], local: Float32) -> None: ...
+def triangles_in(bvh: Bvh, boxes: Float32, threads: int) -> tuple[UInt8, UInt8]: ...
+def touching_pairs(bvh: Bvh, other: Bvh, transform: Sequence[float]) -> UInt8: ...
+def touches(bvh: Bvh, other: Bvh, transform: Sequence[float]) -> bool: ...
+def triangles(bvh: Bvh, primitive: UInt32, mesh: UInt32, corners: Float32) -> None: ...

@@ -1,0 +1,167 @@
+"""Builds: options, several meshes, progress, interruption, errors."""
+
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+import support
+
+import kerf_bvh
+
+
+def many_triangles(count):
+    rng = np.random.default_rng(3)
+    corners = rng.random((count, 1, 3), np.float32) + 0.01 * rng.random((count, 3, 3), np.float32)
+    return corners
+
+
+def test_statistics_tell_what_was_built(cube):
+    statistics = cube.statistics
+    assert statistics.triangles == 12 and statistics.degenerate_triangles == 0
+    assert statistics.references >= 12 and statistics.bytes > 0 and statistics.build_seconds > 0
+    assert "12 triangles" in repr(cube)
+
+
+def test_corners_alone_are_triangles():
+    bvh = kerf_bvh.Bvh(support.CUBE_VERTICES[support.CUBE_FACES])
+    assert bvh.contains([0.5, 0.5, 0.5]) and bvh.statistics.triangles == 12
+
+
+def test_meshes_keep_their_numbers_and_masks():
+    above = support.CUBE_VERTICES + np.float32([0, 0, 2])
+    both = kerf_bvh.Bvh.from_meshes(
+        [(support.CUBE_VERTICES, support.CUBE_FACES), above[support.CUBE_FACES]], masks=[1, 2]
+    )
+    down = ([0.25, 0.5, 9], [0, 0, -1])
+    assert both.intersect(*down).mesh == 1
+    assert both.intersect(*down, mask=1).mesh == 0
+    assert not both.occluded(*down, mask=4)
+    origins = np.tile(down[0], (3, 1))
+    assert both.intersect(origins, down[1], mask=np.array([1, 2, 4])).mesh.tolist() == [0, 1, kerf_bvh.INVALID]
+    assert [mesh.triangles for mesh in both.mesh_statistics] == [12, 12]
+    assert both.mesh_statistics[1].bounds.tolist() == [[0, 0, 2], [1, 1, 3]]
+    accept = [np.ones(12, bool), np.zeros(12, bool)]
+    assert both.intersect(*down, accept=accept).mesh == 0
+
+
+def test_the_same_hits_for_any_builder_and_number_of_threads(random):
+    corners = many_triangles(2000)
+    origins, directions = random.random((500, 3), np.float32), random.normal(size=(500, 3)).astype(np.float32)
+    hits = [
+        kerf_bvh.Bvh(corners, builder=builder, threads=threads).intersect(origins, directions, threads=threads)
+        for builder in ("sbvh", "bvh", "esc", "evh")
+        for threads in (0, 1, 2)
+    ]
+    for other in hits[1:]:
+        assert np.array_equal(hits[0].t, other.t) and np.array_equal(hits[0].primitive, other.primitive)
+
+
+def test_options_that_cannot_be_right_are_refused():
+    for options, sentence in [
+        ({"builder": "best"}, "there is no builder best, but there are bvh, sbvh, esc, evh"),
+        ({"alpha": 2.0}, "alpha"),
+        ({"max_leaf_size": 9}, "max_leaf_size"),
+        ({"max_leaf_size": -1}, "max_leaf_size"),
+        ({"max_reference_ratio": 0.5}, "max_reference_ratio"),
+        ({"threads": -1}, "threads"),
+    ]:
+        with pytest.raises(ValueError, match=sentence):
+            kerf_bvh.Bvh(support.CUBE_VERTICES, support.CUBE_FACES, **options)
+    with pytest.raises(ValueError, match="masks: 1 of them for 2 meshes"):
+        kerf_bvh.Bvh.from_meshes([support.CUBE_VERTICES[support.CUBE_FACES]] * 2, masks=[1])
+    with pytest.raises(ValueError, match="masks: -1, where a set of 32 bits is needed"):
+        kerf_bvh.Bvh.from_meshes([support.CUBE_VERTICES[support.CUBE_FACES]], masks=[-1])
+
+
+def test_vertices_that_are_not_finite_are_refused_or_skipped():
+    vertices = support.CUBE_VERTICES.copy()
+    vertices[6] = np.nan
+    for precision in ("f4", "f8"):
+        with pytest.raises(ValueError, match="vertex 6 .*used by triangle 2, is .*nan"):
+            kerf_bvh.Bvh(vertices.astype(precision), support.CUBE_FACES)
+        bvh = kerf_bvh.Bvh(vertices.astype(precision), support.CUBE_FACES, skip_non_finite=True)
+        assert bvh.statistics.non_finite_triangles == np.isin(support.CUBE_FACES, 6).any(axis=1).sum()
+
+
+def test_a_memory_bound_is_told_and_kept():
+    bvh = kerf_bvh.Bvh(many_triangles(5000))
+    assert 0 < bvh.statistics.build_peak_bytes <= kerf_bvh.build_memory_bound(5000)
+
+
+def test_progress_rises_on_the_calling_thread():
+    seen = []
+    kerf_bvh.Bvh(many_triangles(30000), progress=lambda f: seen.append((f, threading.get_ident())))
+    fractions = [fraction for fraction, _ in seen]
+    assert fractions == sorted(set(fractions)) and 0 <= fractions[0] and fractions[-1] <= 1
+    assert {thread for _, thread in seen} == {threading.get_ident()}
+
+
+def test_progress_cancels_a_build_and_its_exceptions_pass():
+    with pytest.raises(kerf_bvh.Cancelled, match="cancelled"):
+        kerf_bvh.Bvh(many_triangles(200000), progress=lambda fraction: False)
+
+    def fail(fraction):
+        raise KeyError(fraction)
+
+    with pytest.raises(KeyError):
+        kerf_bvh.Bvh(many_triangles(200000), progress=fail)
+
+
+def interrupted(work):
+    """Runs `work`, which Ctrl-C ends a moment after it has begun."""
+    main = threading.main_thread().ident
+    threading.Timer(0.1, signal.pthread_kill, [main, signal.SIGINT]).start()
+    with pytest.raises(KeyboardInterrupt):
+        work()
+
+
+def test_ctrl_c_ends_a_build():
+    corners = many_triangles(300000)
+    interrupted(lambda: [kerf_bvh.Bvh(corners, threads=1) for _ in range(100)])
+
+
+def test_ctrl_c_ends_a_call_of_many_rays_midway():
+    bvh = kerf_bvh.Bvh(many_triangles(2000))
+    origins = np.broadcast_to(np.float32([0.5, 0.5, -1]), (1 << 26, 3))
+    out = kerf_bvh.Hits.empty(1 << 26)
+    out.primitive[-1] = 7
+    interrupted(lambda: bvh.intersect(origins, [0, 0, 1], 0, 1e-3, threads=1, out=out))
+    assert out.primitive[-1] == 7
+
+
+def test_other_threads_run_while_one_builds_and_asks():
+    bvh = kerf_bvh.Bvh(many_triangles(20000))
+    turns = 0
+    done = threading.Event()
+
+    def ask():
+        for _ in range(5):
+            bvh.intersect(np.random.rand(20000, 3), np.random.rand(20000, 3) - 0.5)
+            kerf_bvh.Bvh(many_triangles(5000))
+        done.set()
+
+    thread = threading.Thread(target=ask)
+    thread.start()
+    while not done.is_set():
+        turns += 1
+        time.sleep(0.001)
+    thread.join()
+    assert turns > 5
+
+
+def test_threads_may_ask_one_hierarchy_at_the_same_time(ball, random):
+    points = random.normal(size=(2000, 3))
+    expected = ball.signed_distance(points)
+    answers = [None] * 4
+
+    def ask(i):
+        answers[i] = ball.signed_distance(points)
+
+    threads = [threading.Thread(target=ask, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(np.array_equal(answer, expected) for answer in answers)

@@ -1,0 +1,21 @@
+"""Not run: mypy reads it in its strict mode, as it reads a user's program."""
+
+import numpy as np
+import numpy.typing as npt
+
+import kerf_bvh
+
+
+def first_hits(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64]) -> npt.NDArray[np.float32]:
+    bvh = kerf_bvh.Bvh(vertices, faces, builder="sbvh", threads=2, progress=lambda fraction: fraction < 0.5)
+    hits: kerf_bvh.Hits = bvh.intersect(vertices + [0, 0, 1], [0, 0, -1], 0.0, 10.0, mask=3)
+    lists: kerf_bvh.Lists[kerf_bvh.Hits] = bvh.all_hits(vertices, [0, 0, 1])
+    return np.concatenate([hits[hits.hit].t, lists[0].t])
+
+
+def distances(path: str, points: list[list[float]]) -> float:
+    bvh = kerf_bvh.Bvh.map(path)
+    inside: npt.NDArray[np.bool_] = bvh.contains(points)
+    side: kerf_bvh.Side = kerf_bvh.Side(bvh.side(points)[0])
+    near: kerf_bvh.SurfacePoints = bvh.nearest(points, 3)[0]
+    return float(near.distance[0]) * int(inside.sum()) * side
