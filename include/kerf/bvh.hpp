@@ -247,7 +247,8 @@ class KERF_API Bvh {
   /// that is flattened by this to a line or a point counts as that. Throws `Error::invalid_argument` if a
   /// number of the transform is not finite or a moved vertex has a coordinate of 2^126 or more, and
   /// `Error::out_of_memory`.
-  std::vector<TouchingPair> touching_pairs(const Bvh& other, const Transform& transform = {}) const;
+  std::vector<TouchingPair> touching_pairs(const Bvh& other, const Transform& transform = {},
+                                           const BatchOptions& options = {}) const;
 
   /// A triangle by its corners, as they were given to `build`; nothing if it is in no leaf, because it has no
   /// area, or does not exist. The first call goes over all leaves once, to keep 4 bytes per triangle from
@@ -264,10 +265,9 @@ class KERF_API Bvh {
 
   /// Writes the hierarchy to a file (docs/file-format.md). The same meshes and options give the same bytes,
   /// whatever the number of threads, on all machines whose nodes have as many children (`Layout::width`).
-  /// Masks are not written: in a hierarchy from a file every mesh has all bits. The file is written beside
-  /// `path` and gets its name when it is complete and on the disk, so that a crash leaves the old file or the
-  /// new one. The permissions of an old file are kept and links are followed. What is not a regular file (a
-  /// directory, a device) is not replaced. Throws `Error::io` or `out_of_memory`.
+  /// The file is written beside `path` and gets its name when it is complete and on the disk, so that a crash
+  /// leaves the old file or the new one. The permissions of an old file are kept and links are followed. What
+  /// is not a regular file (a directory, a device) is not replaced. Throws `Error::io` or `out_of_memory`.
   void save(const std::filesystem::path& path) const;
 
   /// Reads a file that `save` wrote. Nodes of another width than this machine traces are converted.

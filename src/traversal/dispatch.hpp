@@ -11,6 +11,7 @@
 
 #include "layout/wide_bvh.hpp"
 #include "math/motion.hpp"
+#include "traversal/boxes/box_pair.hpp"
 #include "traversal/lines/crossing.hpp"
 #include "traversal/points/near_triangle.hpp"
 

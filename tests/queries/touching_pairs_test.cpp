@@ -93,6 +93,7 @@ TEST(TouchingPairs, AreThoseOfEveryPairWhereverTheSecondIsMoved) {
     const Transform transform = turned(random, 1.5f);
     const std::vector<TouchingPair> expected = brute_force(first, second, transform, triangles_touch);
     ASSERT_EQ(a.touching_pairs(b, transform), expected);
+    ASSERT_EQ(a.touching_pairs(b, transform, {.threads = 1}), expected);
     ASSERT_EQ(a.touches(b, transform), !expected.empty());
     pairs += expected.size();
   }

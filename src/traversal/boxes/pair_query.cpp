@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <bit>
 #include <vector>
 
@@ -24,60 +25,105 @@ namespace {
 // of a node of the first. The nodes of the second may have another width, if it was built for another
 // instruction set.
 template <class SecondNode>
-void visit_node_pairs(const WideBvh& first, const WideBvh& second, const SecondNode* second_nodes,
-                      const Motion& motion, void* visitor,
-                      bool (*visit)(void* visitor, std::uint32_t first, std::uint32_t second)) {
-  struct Pair {
-    ChildLink first, second;
-    Box3f first_box, second_box;  // the second is moved
-  };
-  std::vector<Pair> waiting{{ChildLink::node(0), ChildLink::node(0), first.bounds, motion(second.bounds)}};
-  // Puts the children of a node of the first that meet the box beside `link` of the second.
-  const auto wait_with_children = [&](ChildLink node, ChildLink link, const Box3f& box) HWY_ATTR {
-    const Node& parent = node_at(first, node.node());
+class PairSearch {
+ public:
+  HWY_INLINE PairSearch(const WideBvh& first, const WideBvh& second, const Motion& motion)
+      : first_(first), second_(second), second_nodes_(second.nodes<SecondNode>()), motion_(motion) {}
+
+  // Puts the pairs of children that meet behind `waiting`. One of the pair must be a node.
+  HWY_INLINE void open(const BoxPair pair, std::vector<BoxPair>& waiting) const {
+    if (pair.second.is_leaf()) {
+      push_children(pair.first, pair.second, pair.second_box, waiting);
+      return;
+    }
+    const SecondNode& node = second_nodes_[pair.second.node()];
+    for (std::uint32_t slot = 0; slot < SecondNode::width; ++slot) {
+      const Box3f own = child_box(node, slot);
+      if (own.empty()) continue;
+      const Box3f box = motion_(own);
+      if (!pair.first.is_leaf()) {
+        push_children(pair.first, node.children[slot], box, waiting);
+      } else if (!intersect(pair.first_box, box).empty()) {
+        waiting.push_back({pair.first, node.children[slot], pair.first_box, box});
+      }
+    }
+  }
+
+  // Visits the triangles of two leaves that touch. False if `visit` returned it.
+  HWY_INLINE bool visit_leaves(const BoxPair& pair, void* visitor,
+                               bool (*visit)(void*, std::uint32_t, std::uint32_t)) const {
+    for (std::uint32_t k = 0; k < pair.second.count(); ++k) {
+      const Triangle moved = motion_(triangle_in(second_, pair.second, k));
+      for (std::uint32_t rest = bounds_in(first_, pair.first, bounds_of(moved)); rest != 0;
+           rest &= rest - 1) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
+        if (triangles_touch(triangle_in(first_, pair.first, i), moved) &&
+            !visit(visitor, triangle_id(first_, pair.first, i), triangle_id(second_, pair.second, k)))
+          return false;
+      }
+    }
+    return true;
+  }
+
+ private:
+  // The children of a node of the first that meet the box, each beside `link` of the second.
+  HWY_INLINE void push_children(ChildLink node, ChildLink link, const Box3f& box,
+                                std::vector<BoxPair>& waiting) const {
+    const Node& parent = node_at(first_, node.node());
     for (std::uint32_t rest = children_in(parent, box); rest != 0; rest &= rest - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
       waiting.push_back({parent.children[i], link, child_box(parent, i), box});
     }
-  };
-  while (!waiting.empty()) {
-    const Pair pair = waiting.back();
-    waiting.pop_back();
-    if (!pair.second.is_leaf()) {
-      const SecondNode& node = second_nodes[pair.second.node()];
-      for (std::uint32_t slot = 0; slot < SecondNode::width; ++slot) {
-        const Box3f own = child_box(node, slot);
-        if (own.empty()) continue;
-        const Box3f box = motion(own);
-        if (!pair.first.is_leaf()) {
-          wait_with_children(pair.first, node.children[slot], box);
-        } else if (!intersect(pair.first_box, box).empty()) {
-          waiting.push_back({pair.first, node.children[slot], pair.first_box, box});
-        }
-      }
-    } else if (!pair.first.is_leaf()) {
-      wait_with_children(pair.first, pair.second, pair.second_box);
-    } else {
-      for (std::uint32_t k = 0; k < pair.second.count(); ++k) {
-        const Triangle moved = motion(triangle_in(second, pair.second, k));
-        for (std::uint32_t rest = bounds_in(first, pair.first, bounds_of(moved)); rest != 0;
-             rest &= rest - 1) {
-          const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
-          if (triangles_touch(triangle_in(first, pair.first, i), moved) &&
-              !visit(visitor, triangle_id(first, pair.first, i), triangle_id(second, pair.second, k)))
-            return;
-        }
-      }
-    }
   }
+
+  const WideBvh& first_;
+  const WideBvh& second_;
+  const SecondNode* second_nodes_;
+  const Motion& motion_;
+};
+
+bool of_leaves(const BoxPair& pair) {
+  return pair.first.is_leaf() && pair.second.is_leaf();
 }
 
 }  // namespace
 
-void visit_pairs(const WideBvh& first, const WideBvh& second, const Motion& motion, void* visitor,
-                 bool (*visit)(void* visitor, std::uint32_t first, std::uint32_t second)) {
-  with_width(second.width, [&](auto width) {
-    visit_node_pairs(first, second, second.nodes<WideNode<width>>(), motion, visitor, visit);
+std::vector<BoxPair> open_pairs(const WideBvh& first, const WideBvh& second, const Motion& motion,
+                                std::size_t wanted) {
+  std::vector<BoxPair> pairs{{ChildLink::node(0), ChildLink::node(0), first.bounds, motion(second.bounds)}};
+  with_width(second.width, [&](auto width) HWY_ATTR {
+    const PairSearch<WideNode<width>> search(first, second, motion);
+    // All pairs one step further, again and again.
+    std::vector<BoxPair> opened;
+    while (pairs.size() < wanted && !std::all_of(pairs.begin(), pairs.end(), of_leaves)) {
+      opened.clear();
+      for (const BoxPair& pair : pairs) {
+        if (of_leaves(pair)) {
+          opened.push_back(pair);
+        } else {
+          search.open(pair, opened);
+        }
+      }
+      pairs.swap(opened);
+    }
+  });
+  return pairs;
+}
+
+void visit_pairs(const WideBvh& first, const WideBvh& second, const Motion& motion, const BoxPair& start,
+                 void* visitor, bool (*visit)(void* visitor, std::uint32_t first, std::uint32_t second)) {
+  with_width(second.width, [&](auto width) HWY_ATTR {
+    const PairSearch<WideNode<width>> search(first, second, motion);
+    std::vector<BoxPair> waiting{start};
+    while (!waiting.empty()) {
+      const BoxPair pair = waiting.back();
+      waiting.pop_back();
+      if (!of_leaves(pair)) {
+        search.open(pair, waiting);
+      } else if (!search.visit_leaves(pair, visitor, visit)) {
+        return;
+      }
+    }
   });
 }
 
