@@ -36,7 +36,11 @@ inline void sign(std::span<std::byte> image) {
     header.nodes_checksum = section(layout.nodes_at, layout.nodes_bytes);
     header.leaves_checksum = section(layout.leaves_at, layout.leaves_bytes);
     if (layout.annex_bytes != 0 && layout.annex_at + layout.annex_bytes <= image.size()) {
-      constexpr std::size_t at = offsetof(FileAnnex, checksum);
+      constexpr std::size_t at = offsetof(FileAnnex, checksum),
+                            masks_at = offsetof(FileAnnex, masks_checksum);
+      const std::uint64_t masks_sum =
+          layout.masks_bytes == 0 ? 0 : section(layout.masks_at, layout.masks_bytes);
+      std::memcpy(image.data() + layout.annex_at + masks_at, &masks_sum, sizeof masks_sum);
       const std::uint64_t sum = section(layout.annex_at, at);
       std::memcpy(image.data() + layout.annex_at + at, &sum, sizeof sum);
     }

@@ -32,8 +32,12 @@ FileLayout::FileLayout(const FileHeader& header)
       leaves_at(aligned(nodes_at + nodes_bytes)),
       leaves_bytes(header.leaf_words * sizeof(std::uint32_t)),
       annex_at(aligned(leaves_at + leaves_bytes)),
-      annex_bytes(header.file_bytes == annex_at + alignment ? sizeof(FileAnnex) : 0),
-      file_bytes(aligned(annex_at + annex_bytes)) {}
+      annex_bytes(header.file_bytes > annex_at ? sizeof(FileAnnex) : 0),
+      masks_at(aligned(annex_at + annex_bytes)),
+      masks_bytes(header.file_bytes > annex_at + alignment
+                      ? std::uint64_t{header.meshes} * sizeof(std::uint32_t)
+                      : 0),
+      file_bytes(aligned(masks_at + masks_bytes)) {}
 
 FileHeader make_header(const Structure& structure) {
   const WideBvh& wide = structure.wide;
@@ -53,8 +57,11 @@ FileHeader make_header(const Structure& structure) {
                                                             : std::span(structure.first_triangles)));
   header.nodes_checksum = checksum(wide.node_memory_view());
   header.leaves_checksum = checksum(std::as_bytes(wide.leaves));
-  header.file_bytes =
-      FileLayout(header).annex_at + (make_annex(structure).empty() ? 0 : FileLayout::alignment);
+  header.file_bytes = FileLayout(header).annex_at;
+  if (!make_annex(structure).empty()) {
+    header.file_bytes +=
+        FileLayout::alignment + aligned(std::as_bytes(std::span(structure.masks)).size());
+  }
   header.header_checksum = checksum(before_checksum(header));
   return header;
 }
@@ -63,6 +70,7 @@ FileAnnex make_annex(const Structure& structure) {
   FileAnnex annex{.origin = structure.origin,
                   .non_finite_triangles = structure.statistics.non_finite_triangles,
                   .degenerate_by_rounding = structure.statistics.degenerate_by_rounding};
+  if (!structure.masks.empty()) annex.masks_checksum = checksum(std::as_bytes(std::span(structure.masks)));
   annex.checksum = checksum(before_checksum(annex));
   return annex;
 }

@@ -45,11 +45,15 @@ struct FileAnnex {
   Vec3d origin;                              ///< of the local frame
   std::uint64_t non_finite_triangles = 0;    ///< left out of the hierarchy
   std::uint64_t degenerate_by_rounding = 0;  ///< of the degenerate triangles
+  std::uint64_t masks_checksum = 0;          ///< 0 where there are no masks
   std::uint64_t checksum = 0;                ///< of all bytes before it
 
-  bool empty() const { return origin == Vec3d{} && non_finite_triangles == 0 && degenerate_by_rounding == 0; }
+  bool empty() const {
+    return origin == Vec3d{} && non_finite_triangles == 0 && degenerate_by_rounding == 0 &&
+           masks_checksum == 0;
+  }
 };
-static_assert(sizeof(FileAnnex) == 48 && std::is_trivially_copyable_v<FileAnnex>);
+static_assert(sizeof(FileAnnex) == 56 && std::is_trivially_copyable_v<FileAnnex>);
 
 /// Where the sections of a file lie. Each begins at a multiple of 64; zeros fill the space between them.
 struct FileLayout {
@@ -59,6 +63,7 @@ struct FileLayout {
   std::uint64_t nodes_at, nodes_bytes;
   std::uint64_t leaves_at, leaves_bytes;
   std::uint64_t annex_at, annex_bytes;
+  std::uint64_t masks_at, masks_bytes;  ///< a mask for each mesh, in few of the files with an annex
   std::uint64_t file_bytes;
 
   /// `header.leaf_words` must be below 2^60.

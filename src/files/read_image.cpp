@@ -64,7 +64,8 @@ std::shared_ptr<Structure> read_image(std::span<const std::byte> image, std::sha
       !all_zero(gap(layout.meshes_at + layout.meshes_bytes, layout.nodes_at)) ||
       !all_zero(gap(layout.nodes_at + layout.nodes_bytes, layout.leaves_at)) ||
       !all_zero(gap(layout.leaves_at + layout.leaves_bytes, layout.annex_at)) ||
-      !all_zero(gap(layout.annex_at + layout.annex_bytes, layout.file_bytes))) {
+      !all_zero(gap(layout.annex_at + layout.annex_bytes, layout.masks_at)) ||
+      !all_zero(gap(layout.masks_at + layout.masks_bytes, layout.file_bytes))) {
     raise(Error::bad_format, "the file is damaged between its sections");
   }
 
@@ -93,9 +94,14 @@ std::shared_ptr<Structure> read_image(std::span<const std::byte> image, std::sha
     wide = isolated([&] { return change_width(wide, first_triangles.back(), width); });
   }
   const FileAnnex annex = read_annex(image.subspan(layout.annex_at, layout.annex_bytes), header);
+  const auto masks = image.subspan(layout.masks_at, layout.masks_bytes);
+  if (annex.masks_checksum != (masks.empty() ? 0 : checksum(masks)))
+    raise(Error::bad_format, "the masks are damaged: wrong checksum");
   auto structure = make_structure(std::move(wide), std::move(first_triangles),
                                   static_cast<std::size_t>(header.degenerate_triangles));
   structure->origin = annex.origin;
+  structure->masks.resize(masks.size() / sizeof(std::uint32_t));
+  std::memcpy(structure->masks.data(), masks.data(), masks.size());
   structure->statistics.non_finite_triangles = static_cast<std::size_t>(annex.non_finite_triangles);
   structure->statistics.degenerate_by_rounding = static_cast<std::size_t>(annex.degenerate_by_rounding);
   return structure;

@@ -30,7 +30,9 @@ void Bvh::save(const std::filesystem::path& path) const {
         std::as_bytes(structure_->wide.leaves),
         padding(layout.leaves_at + layout.leaves_bytes, layout.annex_at),
         std::as_bytes(std::span(&annex, layout.annex_bytes != 0 ? 1 : 0)),
-        padding(layout.annex_at + layout.annex_bytes, layout.file_bytes),
+        padding(layout.annex_at + layout.annex_bytes, layout.masks_at),
+        std::as_bytes(std::span(structure_->masks)),
+        padding(layout.masks_at + layout.masks_bytes, layout.file_bytes),
     };
     replace_file(path, pieces);
   });

@@ -66,6 +66,22 @@ TEST(KerfFile, LoadedAndMappedAnswerAsSaved) {
   }
 }
 
+TEST(KerfFile, KeepsTheMasksOfMeshes) {
+  const workbench::Solid outer = workbench::make_box({-2, -2, -2}, {2, 2, 2}),
+                         inner = workbench::make_box({-1, -1, -1}, {1, 1, 1});
+  TriangleMesh meshes[] = {outer.mesh(), {}, inner.mesh()};
+  meshes[0].mask = Mask{1};
+  const Bvh bvh = build(meshes);
+  const TemporaryDirectory directory;
+  bvh.save(directory / "boxes.kerf");
+  const Ray ray{.origin = {-3, 0.1f, 0.2f}, .direction = {1, 0, 0}};
+  for (const Bvh& again : {Bvh::load(directory / "boxes.kerf"), Bvh::map(directory / "boxes.kerf")}) {
+    for (const Mask mask : {Mask{1}, Mask{2}, Mask{}})
+      EXPECT_EQ(again.intersect(ray, mask), bvh.intersect(ray, mask)) << mask.bits;
+    EXPECT_EQ(saved(again), saved(bvh));
+  }
+}
+
 // Margins of boxes matter far from the origin, for rays at vertices and edges.
 TEST(KerfFile, ALoadedHierarchyIsAsWatertightAsTheSavedOne) {
   const TemporaryDirectory directory;
@@ -211,7 +227,10 @@ TEST(KerfFile, OtherVersionsAndByteOrdersAreToldFromDamage) {
 }
 
 TEST(KerfFile, EveryTruncationAndEveryChangedByteIsRefused) {
-  const std::string file = saved(build(workbench::make_sphere(0).mesh()));
+  const workbench::Solid sphere = workbench::make_sphere(0);
+  TriangleMesh mesh = sphere.mesh();
+  mesh.mask = Mask{5};
+  const std::string file = saved(build(mesh));
   for (std::size_t length = 0; length < file.size(); ++length) {
     ASSERT_EQ(error_of([&] { forged::load(bytes_of(file.substr(0, length))); }).first, Error::bad_format)
         << length;
