@@ -11,12 +11,13 @@ namespace kerf {
 /// The points `origin + t * direction` with `t_min <= t <= t_max`.
 ///
 /// Coordinates of the origin are below 2^126. `direction` need not have unit length (t counts in its lengths)
-/// and may have zero components, but not three. `t_min` is at least 0; a ray with `t_max < t_min`, or with a
-/// component that is not a number, hits nothing.
+/// and may have zero components, but not three. A ray may begin behind its origin: `t_min` and `t_max` may be
+/// negative, and infinite ones of both signs make it a line. A ray with `t_max < t_min`, or with a component
+/// that is not a number, hits nothing.
 struct Ray {
   Vec3f origin;        ///< the point at t = 0
   Vec3f direction;     ///< of any length but 0
-  float t_min = 0.0f;  ///< hits with a smaller t do not count; at least 0
+  float t_min = 0.0f;  ///< hits with a smaller t do not count
   /// Hits with a larger t do not count.
   float t_max = std::numeric_limits<float>::infinity();
 };
@@ -26,7 +27,7 @@ struct Ray {
 struct DoubleRay {
   Vec3d origin;        ///< the point at t = 0
   Vec3d direction;     ///< of any length but 0
-  double t_min = 0.0;  ///< hits with a smaller t do not count; at least 0
+  double t_min = 0.0;  ///< hits with a smaller t do not count
   /// Hits with a larger t do not count.
   double t_max = std::numeric_limits<double>::infinity();
 };

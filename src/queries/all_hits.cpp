@@ -13,12 +13,6 @@
 namespace kerf {
 namespace {
 
-// The part of the ray that counts.
-Ray forward(Ray ray) {
-  ray.t_min = std::max(ray.t_min, 0.0f);
-  return ray;
-}
-
 Hit hit_of(const Structure& structure, const Crossing& crossing) {
   const PrimitiveId id = locate(structure, crossing.id);
   return {.t = crossing.t, .u = crossing.u, .v = crossing.v, .primitive = id.primitive, .mesh = id.mesh};
@@ -28,14 +22,14 @@ Hit hit_of(const Structure& structure, const Crossing& crossing) {
 void list_crossings(const Structure& structure, const Ray& ray, Crossings& found) {
   found.truncate(0);
   if (structure.wide.empty()) return;
-  structure.kernels->find_crossings(structure.wide, forward(ray), found);
+  structure.kernels->find_crossings(structure.wide, ray, found);
   sort_crossings({found.begin(), found.size()});
   const auto same = [](const Crossing& a, const Crossing& b) { return a.id == b.id; };
   found.truncate(static_cast<std::size_t>(std::unique(found.begin(), found.end(), same) - found.begin()));
 }
 
 std::size_t count_crossings(const Structure& structure, const Ray& ray) {
-  return structure.wide.empty() ? 0 : structure.kernels->count_crossings(structure.wide, forward(ray));
+  return structure.wide.empty() ? 0 : structure.kernels->count_crossings(structure.wide, ray);
 }
 
 }  // namespace
@@ -46,9 +40,9 @@ void Bvh::visit_hits(const Ray& ray, const void* visitor, bool (*visit)(const vo
   if (structure.wide.empty()) return;
   auto call = [&](const Crossing& crossing) { return visit(visitor, hit_of(structure, crossing)); };
   using Call = decltype(call);
-  structure.kernels->visit_crossings(
-      structure.wide, forward(ray), &call,
-      [](void* caller, const Crossing& crossing) { return (*static_cast<Call*>(caller))(crossing); });
+  structure.kernels->visit_crossings(structure.wide, ray, &call, [](void* caller, const Crossing& crossing) {
+    return (*static_cast<Call*>(caller))(crossing);
+  });
 }
 
 std::size_t Bvh::all_hits(const Ray& ray, std::span<Hit> hits) const {

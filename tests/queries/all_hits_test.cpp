@@ -127,9 +127,16 @@ TEST(AllHits, ANonsenseRayOrAnEmptyTreeHasNone) {
   EXPECT_TRUE(gather(Bvh(), {.origin = {0, 0, 0}, .direction = {1, 0, 0}}).empty());
 }
 
-TEST(AllHits, ANegativeTMinCountsAsZero) {
+TEST(AllHits, AreThoseOfALineIfTheRayHasNoEnds) {
   const Bvh bvh = build(workbench::make_box({-1, -1, -1}, {1, 1, 1}).mesh());
-  EXPECT_EQ(gather(bvh, {.origin = {0.3f, 0.1f, 0}, .direction = {0, 0, 1}, .t_min = -9}).size(), 1u);
+  const float infinity = std::numeric_limits<float>::infinity();
+  Ray ray{.origin = {0.3f, 0.1f, 0}, .direction = {0, 0, 1}, .t_min = -infinity};
+  const std::vector<Hit> hits = gather(bvh, ray);
+  ASSERT_EQ(hits.size(), 2u);
+  EXPECT_EQ(hits[0].t, -1.0f);
+  EXPECT_EQ(hits[1].t, 1.0f);
+  ray.t_min = -9, ray.t_max = -0.5f;
+  EXPECT_EQ(gather(bvh, ray).size(), 1u);
 }
 
 // An odd number from inside, an even one from outside, whatever the ray is aimed at.

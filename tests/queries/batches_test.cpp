@@ -33,7 +33,7 @@ std::vector<Ray> make_rays() {
   for (Ray& ray : rays) {
     ray.origin = uniform_point(random, 1.5f);
     ray.direction = uniform_point(random, 1.0f);
-    ray.t_min = random() % 4 == 0 ? 0.25f : 0.0f;
+    ray.t_min = random() % 4 == 0 ? 0.25f : random() % 4 == 0 ? -0.5f : 0.0f;
     ray.t_max = random() % 4 == 0 ? 1.0f : infinity;
   }
   rays[3].direction = {};

@@ -21,7 +21,7 @@ std::vector<Ray> random_rays(std::size_t count, std::uint32_t seed) {
     ray = {.origin = adversarial::uniform_point(random, 1.5f),
            .direction = adversarial::uniform_point(random, 1.0f)};
     if (random() % 4 == 0) ray.t_max = 0.7f;
-    if (random() % 4 == 0) ray.t_min = 0.3f;
+    if (random() % 4 == 0) ray.t_min = random() % 2 == 0 ? 0.3f : -0.6f;
     if (random() % 8 == 0) ray.direction = 1e9f * ray.direction;  // has to be scaled
   }
   return rays;

@@ -108,6 +108,17 @@ TEST(ExtremeScales, AHitBelowTheSmallestNormalNumberIsFoundAgain) {
       ray.t_max = std::numeric_limits<float>::infinity();
       const auto next = bvh.intersect(ray);
       EXPECT_TRUE(!next || next->t >= more);
+
+      const float behind = -hit->t;
+      Ray reversed{
+          .origin = ray.origin, .direction = -1.0f * ray.direction, .t_min = behind, .t_max = behind};
+      const auto mirrored = bvh.intersect(reversed);
+      ASSERT_TRUE(mirrored);
+      EXPECT_EQ(mirrored->t, behind);
+      reversed.t_min = -std::numeric_limits<float>::infinity();
+      reversed.t_max = -more;
+      const auto farther = bvh.intersect(reversed);
+      EXPECT_TRUE(!farther || farther->t <= -more);
     }
     EXPECT_GT(subnormal, 20u);
   });

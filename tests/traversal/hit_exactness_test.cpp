@@ -63,7 +63,7 @@ class HitOracle {
     const auto clearly_before = [&](const Number& first, const Number& second) {
       return first < second && square(second - first) > moved;
     };
-    return clearly_before(exact::number(ray_.t_min), crossing.t) &&
+    return (!std::isfinite(ray_.t_min) || clearly_before(exact::number(ray_.t_min), crossing.t)) &&
            (!std::isfinite(t) || clearly_before(crossing.t, exact::number(t)));
   }
 
@@ -108,6 +108,7 @@ TEST(HitExactness, HitsWhatMustBeHitAndNothingThatMayNot) {
           if (ray.direction == Vec3f{}) continue;
           if (i % 4 == 1) ray.t_max = 1.0f;
           if (i % 4 == 2) ray.t_min = 0.5f;
+          if (i % 4 == 3) ray.t_min = i % 8 == 3 ? -2.0f : -std::numeric_limits<float>::infinity();
           ASSERT_NO_FATAL_FAILURE(expect_exact(triangles, bvh, ray));
         }
       }

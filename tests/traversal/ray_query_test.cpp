@@ -124,6 +124,8 @@ TEST(RayQuery, CoherentRaysAreHitAsSingleOnes) {
         if (y > 32) rays.back().t_max = 2.0f + 0.01f * static_cast<float>(x);
         if (y > 48) rays.back().origin.x += 0.0001f * static_cast<float>(x);
         if (y > 56) rays.back().t_min = 1.5f;
+        if (y < 16) rays.back().origin.z = 0.0f;
+        if (y < 16) rays.back().t_min = y < 8 ? -0.7f : -std::numeric_limits<float>::infinity();
       }
     }
     rays[100].direction = {};

@@ -167,8 +167,34 @@ TEST(Tracing, OnlyHitsBetweenTMinAndTMaxCount) {
   EXPECT_EQ(t_of(2.5f, infinity), -1.0f);
   EXPECT_EQ(t_of(2, 1), -1.0f);
   EXPECT_EQ(t_of(-5, infinity), 1.0f);
-  const Ray backward{.origin = {0.25f, 0.25f, 3}, .direction = {0, 0, 1}, .t_min = -9};
-  EXPECT_FALSE(bvh.intersect(backward).has_value()) << "a negative t_min counts as 0";
+}
+
+// From the side, from between, in a direction that is scaled, and as a line without ends.
+TEST(Tracing, ARayMayBeginBehindItsOrigin) {
+  const std::vector<std::array<float, 3>> vertices{{0, 0, 1}, {1, 0, 1}, {0, 1, 1},
+                                                   {0, 0, 2}, {1, 0, 2}, {0, 1, 2}};
+  const std::vector<std::uint32_t> triangles{0, 1, 2, 3, 4, 5};
+  const kerf::Bvh bvh = kerf::build({.vertices = vertices, .triangles = triangles});
+  for (const float length : {1.0f, 0x1p-40f, 0x1p40f}) {
+    const auto t_of = [&](float from, float t_min, float t_max) {
+      const Ray ray{.origin = {0.25f, 0.25f, from},
+                    .direction = {0, 0, length},
+                    .t_min = t_min / length,
+                    .t_max = t_max / length};
+      const auto hit = bvh.intersect(ray);
+      EXPECT_EQ(bvh.occluded(ray), hit.has_value());
+      EXPECT_EQ(bvh.count_hits(ray) != 0, hit.has_value());
+      return hit ? hit->t * length : 99.0f;
+    };
+    EXPECT_EQ(t_of(3, -9, infinity), -2.0f) << "the least t, not the nearest to 0";
+    EXPECT_EQ(t_of(3, -1.5f, infinity), -1.0f);
+    EXPECT_EQ(t_of(3, -2, -2), -2.0f);
+    EXPECT_EQ(t_of(3, -0.5f, infinity), 99.0f);
+    EXPECT_EQ(t_of(3, -9, -3), 99.0f);
+    EXPECT_EQ(t_of(1.5f, -0.25f, infinity), 0.5f);
+    EXPECT_EQ(t_of(3, -infinity, infinity), -2.0f);
+    EXPECT_EQ(t_of(0, -infinity, infinity), 1.0f);
+  }
 }
 
 TEST(Tracing, RaysThatAreNoRaysHitNothing) {

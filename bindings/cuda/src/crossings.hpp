@@ -33,15 +33,15 @@ class NextCrossings {
     count = 0;
     const float length = longest_component(ray.direction);
     const double scale = needs_scaling(length) ? scale_of(length) : 1.0;
-    const float from = after.t < 0.0f ? traced.t_min : standard_max(traced.t_min, lowered(after.t * scale));
+    const float from =
+        after.t < -FLT_MAX ? traced.t_min : standard_max(traced.t_min, lowered(after.t * scale));
     float to = traced.t_max;
-    const float t_min = standard_max(ray.t_min, 0.0f);
     visit_line(hierarchy, traced, from, to, [&](const DeviceTriangle& triangle) {
       const Corners corners = corners_of(triangle);
       if (!line_crosses(ray.origin, ray.direction, corners)) return;
       const RayCrossing crossing = crossing_of(ray.origin, ray.direction, corners);
       const CrossingPlace found{crossing.t, number_of(triangle)};
-      if (!(crossing.t >= t_min && crossing.t <= ray.t_max) || !is_before(after, found) ||
+      if (!(crossing.t >= ray.t_min && crossing.t <= ray.t_max) || !is_before(after, found) ||
           found.triangle == invalid_id)
         return;
       insert(found, crossing.u, crossing.v);
@@ -52,11 +52,11 @@ class NextCrossings {
  private:
   // A t in lengths of the prepared direction, as a bound: rounded to the safe side and in the range of a
   // float.
-  KERF_CUDA_INLINE static float lowered(double t) {
-    return static_cast<float>(standard_min(t * (1.0 - 0x1p-20), static_cast<double>(FLT_MAX)));
-  }
+  KERF_CUDA_INLINE static float lowered(double t) { return -raised(-t); }
   KERF_CUDA_INLINE static float raised(double t) {
-    return static_cast<float>(standard_min(t * (1.0 + 0x1p-20) + 0x1p-126, static_cast<double>(FLT_MAX)));
+    const double size = t < 0.0 ? -t : t, highest = static_cast<double>(FLT_MAX);
+    const double more = t + size * 0x1p-20 + 0x1p-126;
+    return static_cast<float>(standard_max(standard_min(more, highest), -highest));
   }
 
   KERF_CUDA_INLINE void insert(const CrossingPlace& found, float found_u, float found_v) {
@@ -83,7 +83,7 @@ KERF_CUDA_INLINE void for_each_crossing(const BinaryHierarchy& hierarchy, const 
   constexpr int at_once = 8;
   TracedRay traced;
   if (!prepare(ray, hierarchy.bounds, traced)) return;
-  CrossingPlace last{-1.0f, 0};
+  CrossingPlace last{-std::numeric_limits<float>::infinity(), 0};
   NextCrossings<at_once> next;
   do {
     next.find(hierarchy, ray, traced, last);

@@ -33,7 +33,7 @@ struct BoxConstants {
 
   float forward[3], backward[3], enter[3], leave[3];
 
-  /// Whether the ray meets the box in [t_min, t_max], 0 <= t_min, and from where on.
+  /// Whether the ray meets the box in [t_min, t_max], and from where on.
   KERF_CUDA_INLINE bool meet(const Words4& xy, std::uint32_t lower_z, std::uint32_t upper_z, float t_min,
                              float t_max, float& entered) const {
     const float first_x = entry(0, as_float(xy.x), as_float(xy.y)),
@@ -117,10 +117,10 @@ KERF_CUDA_INLINE double scale_of(double length) {
 KERF_CUDA_NOINLINE ScaledRay rescaled(float x, float y, float z, float t_min, float t_max, double length) {
   const double scale = scale_of(length);
   const double inverse = as_double(0x7fe0000000000000u - as_bits(scale));  // of a power of two: exact
-  const double scaled_t_max = t_max * scale, highest = static_cast<double>(FLT_MAX);
+  const double highest = static_cast<double>(FLT_MAX);
   return {{static_cast<float>(x * inverse), static_cast<float>(y * inverse), static_cast<float>(z * inverse)},
-          static_cast<float>(t_min * scale),
-          static_cast<float>(scaled_t_max < highest ? scaled_t_max : highest)};
+          static_cast<float>(standard_max(standard_min(t_min * scale, highest), -highest)),
+          static_cast<float>(standard_max(standard_min(t_max * scale, highest), -highest))};
 }
 
 KERF_CUDA_INLINE float longest_component(const Vec3f& d) {
@@ -135,7 +135,7 @@ KERF_CUDA_INLINE bool tame(const Ray& ray, ScaledRay& out) {
   // Zero times anything infinite or not a number is not a number, which equals nothing.
   const float zero = (0.0f * o.x + 0.0f * o.y) + (0.0f * o.z + 0.0f * d.x) + (0.0f * d.y + 0.0f * d.z);
   if (!((zero == 0.0f) & (ray.t_min <= ray.t_max))) return false;
-  out = {{d.x, d.y, d.z}, standard_max(ray.t_min, 0.0f), standard_min(ray.t_max, FLT_MAX)};
+  out = {{d.x, d.y, d.z}, standard_max(ray.t_min, -FLT_MAX), standard_min(ray.t_max, FLT_MAX)};
   if (needs_scaling(length)) {
     if (!(length > 0.0f)) return false;
     out = rescaled(d.x, d.y, d.z, out.t_min, out.t_max, length);

@@ -227,16 +227,6 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
                   less(broadcast<leaf_group>(Limits::min_sign), max_edge));
   if (candidates == 0) return false;
 
-  const std::uint32_t trusted =
-      less(constants.min_value, min_edge) | less(max_edge, broadcast<leaf_group>(0.0f) - constants.min_value);
-  bool changed = false;
-  if (HWY_UNLIKELY((candidates & ~trusted) != 0)) {
-    const Nearest other =
-        intersect_one_by_one(bvh, leaf, (candidates & ~trusted) << begin, ray, constants.t_min, filter, best);
-    changed = other.primitive != best.primitive;
-    best = other;
-    if (any_hit && changed) return true;
-  }
   // What t is for the point that the weights name, and how far from it the ray may cross the plane: the
   // shear's rounding, times how much the triangle rises along the ray for each step across it.
   const LeafFloats inverse = broadcast<leaf_group>(1.0f) / (u + v + w);
@@ -247,13 +237,31 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
   const LeafFloats first = t - error, last = t + error;
   const LeafFloats t_min = broadcast<leaf_group>(constants.t_min), t_max = broadcast<leaf_group>(best.last);
   const std::uint32_t after_start = less_or_equal(t_min, first);
+  const LeafFloats zero = broadcast<leaf_group>(0.0f);
+  const std::uint32_t trusted =
+      less(constants.min_value, min_edge) | less(max_edge, zero - constants.min_value);
   if constexpr (any_hit && !Filter::filters) {
     if ((candidates & trusted & after_start & less_or_equal(last, t_max)) != 0) {
       best.primitive = words[9 * count];
       return true;
     }
   }
-  std::uint32_t near = candidates & trusted & less_or_equal(t_min, last) & less_or_equal(first, t_max);
+  const std::uint32_t in_range = less_or_equal(t_min, last) & less_or_equal(first, t_max);
+  bool changed = false;
+  if (HWY_UNLIKELY((candidates & ~trusted) != 0)) {
+    // The bounds hold where one weight is large enough: triangles around a vertex that the ray begins at are
+    // out of range, although some of their weights are 0.
+    const std::uint32_t bounded = less(constants.min_value, maximum(max_edge, zero - min_edge));
+    const std::uint32_t open = candidates & ~trusted & (in_range | ~bounded);
+    if (open != 0) {
+      const Nearest other =
+          intersect_one_by_one(bvh, leaf, open << begin, ray, constants.t_min, filter, best);
+      changed = other.primitive != best.primitive;
+      best = other;
+      if (any_hit && changed) return true;
+    }
+  }
+  std::uint32_t near = candidates & trusted & in_range;
   if (near == 0) return changed;
   const std::uint32_t* ids = words + 9 * count + begin;
   alignas(32) float firsts[leaf_group], lasts[leaf_group];

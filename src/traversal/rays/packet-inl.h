@@ -140,7 +140,7 @@ class Packet {
     error_of_mean_ = hn::Mul(hn::Set(tag, LeafConstants::mean_error), error);
     error_of_shear_ = hn::Mul(hn::Set(tag, LeafConstants::shear_error), error);
     rays_ = rays;
-    t_min_ = hn::Max(t_min, zero);
+    t_min_ = t_min;
     first_ = last_ = hn::Min(t_max, hn::Set(tag, std::numeric_limits<float>::max()));
     primitive_ = hn::Set(Bits(), invalid_id);
     link_ = lane_ = hn::Zero(Bits());
@@ -193,6 +193,9 @@ class Packet {
 
   // A step of the packet costs about as much as the steps of this many interleaved rays.
   static constexpr std::uint64_t min_active = 4;
+
+  // Less than every t.
+  static constexpr float no_t = -std::numeric_limits<float>::infinity();
 
   // Of rays that hit the same triangle: fewer are settled one by one.
   static constexpr int min_rays_at_once = 4;
@@ -401,13 +404,18 @@ class Packet {
       const V limit = hn::Set(tag, SinglePrecision::max_value);
       const M small_enough = hn::And(hn::Lt(hn::Abs(determinant), limit), hn::Lt(hn::Abs(t), limit));
       const M trusted = hn::And(candidates, hn::And(large_enough, small_enough));
+      // As in `intersect_group`.
+      const M bounded = hn::And(
+          hn::Lt(hn::Set(tag, SinglePrecision::min_value), hn::Max(hn::Abs(min_edge), hn::Abs(max_edge))),
+          small_enough);
 
-      const M near = hn::And(hn::And(hn::Le(t_min_, last), hn::Le(first, last_)), trusted);
+      const M in_range = hn::And(hn::Le(t_min_, last), hn::Le(first, last_));
+      const M near = hn::And(in_range, trusted);
       const M clear = hn::And(hn::And(hn::Le(t_min_, first), hn::Lt(last, first_)), near);
       if (!hn::AllFalse(tag, clear)) {
-        // For any hit, the first is enough: with no t left, the ray takes no further part.
-        first_ = hn::IfThenElse(clear, any_hit ? hn::Set(tag, -1.0f) : first, first_);
-        last_ = hn::IfThenElse(clear, any_hit ? hn::Set(tag, -1.0f) : last, last_);
+        // For any hit, the first is enough: with `no_t`, the ray takes no further part.
+        first_ = hn::IfThenElse(clear, any_hit ? hn::Set(tag, no_t) : first, first_);
+        last_ = hn::IfThenElse(clear, any_hit ? hn::Set(tag, no_t) : last, last_);
         const auto keep = [&](hn::Vec<Bits>& kept, std::uint32_t value) HWY_ATTR {
           const V number = hn::BitCast(tag, hn::Set(Bits(), value));
           kept = hn::BitCast(Bits(), hn::IfThenElse(clear, number, hn::BitCast(tag, kept)));
@@ -417,7 +425,8 @@ class Packet {
         keep(lane_, i);
         changed = true;
       }
-      const M open = hn::AndNot(clear, hn::Or(near, hn::AndNot(trusted, candidates)));
+      const M unbounded = hn::AndNot(bounded, candidates);
+      const M open = hn::AndNot(clear, hn::Or(hn::And(in_range, candidates), unbounded));
       if (HWY_UNLIKELY(!hn::AllFalse(tag, open)))
         changed |= test_one_by_one(leaf, i, bits(tag, open), bits(tag, trusted));
     }
@@ -451,8 +460,8 @@ class Packet {
                  : intersect_one_by_one(bvh_, leaf, 1u << i, rays_[k], t_min[k], NoFilter(), best);
       const bool hit = best.primitive != primitive[k];
       changed |= hit;
-      first[k] = any_hit && hit ? -1.0f : best.first;
-      last[k] = any_hit && hit ? -1.0f : best.last;
+      first[k] = any_hit && hit ? no_t : best.first;
+      last[k] = any_hit && hit ? no_t : best.last;
       primitive[k] = best.primitive;
       link[k] = best.link;
       lane[k] = best.lane;

@@ -34,14 +34,14 @@ struct PreparedRay {
   explicit PreparedRay(const Ray& ray, bool is_far = false) : origin(ray.origin), direction(ray.direction) {
     const Vec3f& d = ray.direction;
     const float largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
-    t_min = std::max(ray.t_min, 0.0f);
-    t_max = std::min(ray.t_max, std::numeric_limits<float>::max());
+    t_min = std::max(ray.t_min, -largest_t);
+    t_max = std::min(ray.t_max, largest_t);
     if (is_far || !(largest > shortest && largest < longest))
       rescale(largest, is_far ? length_when_far : 1.0);
     // Zero times an infinity or a NaN is a NaN, which equals nothing.
     const float zero =
         (0.0f * origin.x + 0.0f * origin.y) + (0.0f * origin.z + 0.0f * d.x) + (0.0f * d.y + 0.0f * d.z);
-    if (!((zero == 0.0f) & (ray.t_min <= ray.t_max))) t_max = -1.0f;
+    if (!((zero == 0.0f) & (ray.t_min <= ray.t_max))) t_max = -std::numeric_limits<float>::infinity();
   }
 
   /// False for a ray that can hit nothing: t_max < t_min, something not finite, or a direction of zero.
@@ -52,14 +52,21 @@ struct PreparedRay {
 
   /// Whether an end of the caller's range, `ray`'s, may be one to which several t of this ray are rounded.
   bool has_subnormal_end(const Ray& ray) const {
-    return scale != 1.0 && ((ray.t_min > 0.0f && ray.t_min < smallest_exact) || ray.t_max < smallest_exact);
+    return scale != 1.0 && ((ray.t_min != 0.0f && std::abs(ray.t_min) < smallest_exact) ||
+                            std::abs(ray.t_max) < smallest_exact);
   }
 
  private:
+  static constexpr float largest_t = std::numeric_limits<float>::max();
+
   // Subnormal floats are 2^-149 apart: what rounds to one lies half of that away at most. To a float that is
   // not smaller than this, adding the half makes no difference.
   static constexpr double half_step = 0x1p-150;
   static constexpr float smallest_exact = 0x1p-125f;
+
+  float scaled(double t) const {
+    return static_cast<float>(std::clamp(t * scale, double{-largest_t}, double{largest_t}));
+  }
 
   // Makes the largest component one in [length, 2 length), where `length` is a power of two.
   void rescale(double largest, double length) {
@@ -74,9 +81,9 @@ struct PreparedRay {
     const double inverse = std::bit_cast<double>(0x7fe0000000000000u - exponent) * length;
     direction = {static_cast<float>(direction.x * inverse), static_cast<float>(direction.y * inverse),
                  static_cast<float>(direction.z * inverse)};
-    t_min = static_cast<float>(std::max(t_min - half_step, 0.0) * scale);
-    t_max =
-        static_cast<float>(std::min<double>((t_max + half_step) * scale, std::numeric_limits<float>::max()));
+    // A t of 0 is no rounded one: `unscaled` keeps signs.
+    t_min = scaled(t_min == 0.0f ? 0.0 : t_min - half_step);
+    t_max = scaled(t_max + half_step);
   }
 };
 

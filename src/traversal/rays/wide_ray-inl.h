@@ -110,7 +110,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   out.inverse = three(boxes.inverse);
   out.enter = three(boxes.enter);
   out.leave = three(boxes.leave);
-  out.t_min = std::max(ray.t_min, 0.0f);
+  out.t_min = ray.t_min;
   out.octant = 0;
   for (int i = 0; i < 3; ++i) {
     out.octant |= static_cast<unsigned>(std::signbit(boxes.inverse[i])) << i;
@@ -179,7 +179,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   out.inverse = inverse;
   out.enter = hn::Sub(hn::Neg(product), grown);
   out.leave = hn::Sub(grown, product);
-  out.t_min = std::max(ray.t_min, 0.0f);
+  out.t_min = ray.t_min;
   const hn::RebindToSigned<FloatTag4> integers;
   out.octant = three_bits(hn::MaskFromVec(hn::BitCast(tag, hn::BroadcastSignBit(hn::BitCast(integers, d)))));
 
