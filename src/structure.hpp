@@ -59,7 +59,8 @@ inline PrimitiveId locate(const Structure& structure, std::uint32_t id) {
 /// Kernels number triangles over all meshes; users name them by mesh and primitive.
 inline void name_triangle(const Structure& structure, Hit& hit) {
   const PrimitiveId id = locate(structure, hit.primitive);
-  hit.primitive = id.primitive;
+  // A caller may load the hit at once: in the first mesh, what the kernel wrote stays as one store.
+  if (id.primitive != hit.primitive) hit.primitive = id.primitive;
   hit.mesh = id.mesh;
 }
 

@@ -147,9 +147,12 @@ struct Nearest {
   explicit Nearest(float t_max = 0.0f) : first(t_max), last(t_max) {}
 };
 
-// t, u and v of triangle `i` of a leaf. Out of line, as all that follows is: with nothing by reference that
-// is in registers otherwise.
-HWY_NOINLINE HWY_ATTR RayCrossing hit_exactly(const Triangle& triangle, const Ray& ray) {
+// What follows is out of line, with nothing by reference that is in registers otherwise.
+HWY_NOINLINE HWY_ATTR RayCrossing hit_exactly(const WideBvh& bvh, ChildLink leaf, std::uint32_t i,
+                                              const Ray& ray) {
+  const Triangle triangle = triangle_in(bvh, leaf, i);
+  const CrossingEstimate estimate = estimate_crossing(ray.origin, ray.direction, triangle);
+  if (estimate.steep() && estimate.precise()) return estimate.crossing(estimate.height);
   const RayShear shear(ray.direction);
   Hit hit;
   const float infinity = std::numeric_limits<float>::infinity();
@@ -157,12 +160,19 @@ HWY_NOINLINE HWY_ATTR RayCrossing hit_exactly(const Triangle& triangle, const Ra
     return {infinity, 0.0f, 0.0f};
   return {hit.t, hit.u, hit.v};
 }
-HWY_NOINLINE HWY_ATTR RayCrossing hit_in_leaf(const WideBvh& bvh, ChildLink leaf, std::uint32_t i,
-                                              const Ray& ray) {
-  const Triangle triangle = triangle_in(bvh, leaf, i);
-  const CrossingEstimate estimate = estimate_crossing(ray.origin, ray.direction, triangle);
-  if (HWY_LIKELY(estimate.steep() && estimate.precise())) return estimate.crossing(estimate.height);
-  return hit_exactly(triangle, ray);
+
+// t, u and v of triangle `i` of a leaf. In line where double precision suffices, so that they stay in
+// registers: three floats that a call returns go through memory, where the caller has to wait for them.
+HWY_INLINE RayCrossing hit_in_leaf(const WideBvh& bvh, ChildLink leaf, std::uint32_t i, const Ray& ray) {
+  const CrossingEstimate estimate = estimate_crossing(ray.origin, ray.direction, triangle_in(bvh, leaf, i));
+  const double t = estimate.height / estimate.slope, u = estimate.u / estimate.slope,
+               v = estimate.v / estimate.slope;
+  // No number that `round_crossing` would change.
+  const bool plain =
+      (std::abs(t) >= 0x1p-126) & (std::abs(t) < 0x1p127) & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
+  if (HWY_LIKELY(plain & estimate.steep() & estimate.precise()))
+    return {static_cast<float>(t), static_cast<float>(u), static_cast<float>(v)};
+  return hit_exactly(bvh, leaf, i, ray);
 }
 
 HWY_INLINE Hit settled_hit(const WideBvh& bvh, const Ray& ray, const Nearest& nearest) {

@@ -126,6 +126,13 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   return true;
 }
 #else
+// Three floats, the last of them twice. Each is loaded for itself: a caller has most often just written them
+// one by one, and what is loaded at once would have to wait until these stores are done.
+HWY_INLINE Float4 load_each(const float* floats) {
+  const FloatTag4 tag;
+  const Float4 x = hn::Set(tag, floats[0]), y = hn::Set(tag, floats[1]), z = hn::Set(tag, floats[2]);
+  return hn::ConcatLowerLower(tag, z, hn::InterleaveLower(tag, x, y));
+}
 HWY_INLINE Float4 largest_of_three(Float4 v) {
   return hn::Max(hn::Max(hn::Broadcast<0>(v), hn::Broadcast<1>(v)), hn::Broadcast<2>(v));
 }
@@ -159,8 +166,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   const FloatTag4 tag;
   const float* origin = &ray.origin.x;
   const float* direction = &ray.direction.x;
-  const Float4 o = hn::LoadU(tag, origin),
-               d = hn::LoadU(tag, direction);  // the fourth lanes hold other fields
+  const Float4 o = load_each(origin), d = load_each(direction);
   const Float4 absolute = hn::Abs(d), zero = hn::Zero(tag);
   const Float4 largest = largest_of_three(absolute);
   const float length = hn::GetLane(largest);
