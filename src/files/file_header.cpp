@@ -59,8 +59,7 @@ FileHeader make_header(const Structure& structure) {
   header.leaves_checksum = checksum(std::as_bytes(wide.leaves));
   header.file_bytes = FileLayout(header).annex_at;
   if (!make_annex(structure).empty()) {
-    header.file_bytes +=
-        FileLayout::alignment + aligned(std::as_bytes(std::span(structure.masks)).size());
+    header.file_bytes += FileLayout::alignment + aligned(std::as_bytes(std::span(structure.masks)).size());
   }
   header.header_checksum = checksum(before_checksum(header));
   return header;
