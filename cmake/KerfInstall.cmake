@@ -17,3 +17,15 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/kerfConfig.cmake.in ${PR
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/kerfConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/kerfConfig.cmake ${PROJECT_BINARY_DIR}/kerfConfigVersion.cmake
         DESTINATION ${KERF_PACKAGE_DIR} COMPONENT library)
+
+# For users of pkg-config. A static library leaves the linking of what it stands on to the program that uses it.
+function(kerf_install_pkg_config name language type)
+  file(RELATIVE_PATH KERF_PC_PREFIX /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+  set(KERF_PC_REQUIRES Requires.private)
+  if(type STREQUAL "STATIC_LIBRARY")
+    set(KERF_PC_REQUIRES Requires)
+  endif()
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/package.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT library)
+endfunction()
+kerf_install_pkg_config(kerf C++ ${KERF_LIBRARY_TYPE})

@@ -1,0 +1,676 @@
+// The C interface: every call of <kerf/bvh.hpp> in plain functions.
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <new>
+#include <optional>
+#include <ranges>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <kerf/kerf.h>
+#include <kerf/kerf.hpp>
+
+struct kerf_bvh {
+  explicit kerf_bvh(kerf::Bvh made) : bvh(std::move(made)) {}
+
+  mutable std::atomic<std::size_t> owners = 1;
+  kerf::Bvh bvh;
+};
+
+namespace {
+
+// Values of C lie in memory as those of C++ do.
+template <class C, class Cpp>
+inline constexpr bool same_layout =
+    sizeof(C) == sizeof(Cpp) && std::is_trivially_copyable_v<C>&& std::is_trivially_copyable_v<
+                                    Cpp>&& std::is_standard_layout_v<C>&& std::is_standard_layout_v<Cpp>;
+static_assert(same_layout<kerf_ray, kerf::Ray> && offsetof(kerf_ray, t_min) == offsetof(kerf::Ray, t_min));
+static_assert(same_layout<kerf_hit, kerf::Hit> &&
+              offsetof(kerf_hit, primitive) == offsetof(kerf::Hit, primitive) &&
+              offsetof(kerf_hit, mesh) == offsetof(kerf::Hit, mesh));
+static_assert(same_layout<kerf_surface_point, kerf::SurfacePoint> &&
+              offsetof(kerf_surface_point, distance) == offsetof(kerf::SurfacePoint, distance) &&
+              offsetof(kerf_surface_point, mesh) == offsetof(kerf::SurfacePoint, mesh));
+static_assert(same_layout<kerf_primitive_id, kerf::PrimitiveId> &&
+              offsetof(kerf_primitive_id, mesh) == offsetof(kerf::PrimitiveId, mesh));
+static_assert(same_layout<kerf_touching_pair, kerf::TouchingPair>);
+static_assert(same_layout<kerf_triangle, kerf::Triangle> && same_layout<kerf_box, kerf::Box3f> &&
+              same_layout<kerf_transform, kerf::Transform>);
+static_assert(sizeof(kerf::Side) == 1 && static_cast<int>(kerf::Side::outside) == KERF_OUTSIDE &&
+              static_cast<int>(kerf::Side::on) == KERF_ON &&
+              static_cast<int>(kerf::Side::inside) == KERF_INSIDE);
+static_assert(static_cast<int>(kerf::Builder::evh) == KERF_EVH &&
+              static_cast<int>(kerf::NonFinite::skip) == KERF_SKIP);
+static_assert(kerf::Error::invalid_argument + 1 == KERF_INVALID_ARGUMENT &&
+              kerf::Error::bad_format + 1 == KERF_BAD_FORMAT);
+
+// Fixed memory: an error must be told when memory has run out.
+thread_local char last_error[512] = "";
+
+kerf_status fail(kerf_status status, const char* sentence) noexcept {
+  std::strncpy(last_error, sentence, sizeof last_error - 1);
+  return status;
+}
+
+[[noreturn]] void refuse(const char* why) {
+  throw kerf::Error(kerf::Error::invalid_argument, why);
+}
+
+// Calls `work`, which may throw, and says how it ended.
+template <class Work>
+kerf_status guarded(const Work& work) noexcept {
+  try {
+    work();
+    return KERF_OK;
+  } catch (const kerf::Error& error) {
+    return fail(static_cast<kerf_status>(error.code() + 1), error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(KERF_OUT_OF_MEMORY, "out of memory");
+  } catch (const std::exception& error) {
+    return fail(KERF_INTERNAL, error.what());
+  } catch (...) {
+    return fail(KERF_INTERNAL, "an unknown exception");
+  }
+}
+
+template <class... Pointers>
+void require(const Pointers*... pointers) {
+  const bool all = (static_cast<bool>(pointers) && ...);
+  if (!all) refuse("a pointer is null");
+}
+
+// A struct that a caller filled in, perhaps one of another version: fields that an older one lacks get their
+// defaults, and fields that only a newer one has must not be used.
+template <class T>
+T read_versioned(const void* from, T defaults, const char* name) {
+  std::size_t size = 0;
+  std::memcpy(&size, from, sizeof size);
+  const auto* bytes = static_cast<const unsigned char*>(from);
+  if (size < sizeof size || size > 16 * sizeof(T))
+    throw kerf::Error(kerf::Error::invalid_argument,
+                      std::string("struct_size of a ") + name + " is not set: begin with its INIT");
+  if (std::any_of(bytes + std::min(size, sizeof(T)), bytes + size, [](unsigned char b) { return b != 0; }))
+    throw kerf::Error(kerf::Error::invalid_argument,
+                      std::string("a ") + name + " uses fields that this version of kerf does not know");
+  std::memcpy(&defaults, from, std::min(size, sizeof(T)));
+  return defaults;
+}
+
+kerf::Ray to_ray(const kerf_ray& ray) {
+  return std::bit_cast<kerf::Ray>(ray);
+}
+kerf_hit to_c(const kerf::Hit& hit) {
+  return std::bit_cast<kerf_hit>(hit);
+}
+kerf::Vec3f to_point(const float* point) {
+  return {point[0], point[1], point[2]};
+}
+kerf::Transform to_transform(const kerf_transform* transform) {
+  return transform == nullptr ? kerf::Transform{} : std::bit_cast<kerf::Transform>(*transform);
+}
+// Arrays of C as arrays of C++ of the same layout.
+template <class Cpp, class C>
+Cpp* as(C* values) {
+  static_assert(same_layout<std::remove_const_t<C>, std::remove_const_t<Cpp>>);
+  return reinterpret_cast<Cpp*>(values);
+}
+
+kerf::BatchOptions to_options(const kerf_batch_options* options) {
+  if (options == nullptr) return {};
+  return {
+      .threads =
+          read_versioned<kerf_batch_options>(options, KERF_BATCH_OPTIONS_INIT, "kerf_batch_options").threads};
+}
+
+kerf::BuildOptions to_options(const kerf_build_options* given) {
+  kerf::BuildOptions result;
+  if (given == nullptr) return result;
+  const auto options =
+      read_versioned<kerf_build_options>(given, KERF_BUILD_OPTIONS_INIT, "kerf_build_options");
+  if (options.builder < KERF_SBVH || options.builder > KERF_EVH) refuse("there is no such builder");
+  if (options.non_finite != KERF_REFUSE && options.non_finite != KERF_SKIP)
+    refuse("non_finite is neither KERF_REFUSE nor KERF_SKIP");
+  result.builder = static_cast<kerf::Builder>(options.builder);
+  result.alpha = options.alpha;
+  result.max_reference_ratio = options.max_reference_ratio;
+  result.max_leaf_size = options.max_leaf_size;
+  result.threads = options.threads;
+  result.non_finite = static_cast<kerf::NonFinite>(options.non_finite);
+  result.presplit_references = options.presplit_references;
+  if (options.progress != nullptr) {
+    result.progress = [call = options.progress, context = options.context](float fraction) {
+      return call(context, fraction) != 0;
+    };
+  }
+  return result;
+}
+
+kerf::TriangleMesh to_mesh(const kerf_mesh& mesh) {
+  if ((mesh.vertices == nullptr && mesh.vertex_count != 0) ||
+      (mesh.triangles == nullptr && mesh.triangle_count != 0))
+    refuse("a mesh has no vertices or no triangles where it says that it has");
+  return {.vertices = {mesh.vertices, mesh.vertex_count, mesh.vertex_stride != 0 ? mesh.vertex_stride : 12},
+          .triangles = {mesh.triangles, mesh.triangle_count,
+                        mesh.triangle_stride != 0 ? mesh.triangle_stride : 12},
+          .mask = {mesh.mask}};
+}
+
+kerf::DoubleMesh to_mesh(const kerf_double_mesh& mesh) {
+  if ((mesh.vertices == nullptr && mesh.vertex_count != 0) ||
+      (mesh.triangles == nullptr && mesh.triangle_count != 0))
+    refuse("a mesh has no vertices or no triangles where it says that it has");
+  if (mesh.index_bits != 32 && mesh.index_bits != 64) refuse("index_bits is neither 32 nor 64");
+  const std::size_t packed = 3 * mesh.index_bits / 8,
+                    stride = mesh.triangle_stride != 0 ? mesh.triangle_stride : packed;
+  kerf::DoubleMesh result{
+      .vertices = {mesh.vertices, mesh.vertex_count, mesh.vertex_stride != 0 ? mesh.vertex_stride : 24},
+      .triangles = {},
+      .mask = {mesh.mask}};
+  if (mesh.index_bits == 32) {
+    result.triangles =
+        kerf::IndexView(static_cast<const std::uint32_t*>(mesh.triangles), mesh.triangle_count, stride);
+  } else {
+    result.triangles =
+        kerf::IndexView(static_cast<const std::uint64_t*>(mesh.triangles), mesh.triangle_count, stride);
+  }
+  return result;
+}
+
+// Builds over an array of structs of the caller's version.
+template <class Mesh, class CMesh>
+kerf_status build(const CMesh* meshes, std::size_t count, const CMesh& defaults, const char* name,
+                  const kerf_build_options* options, kerf_bvh** bvh) {
+  if (bvh == nullptr) return fail(KERF_INVALID_ARGUMENT, "a pointer is null");
+  *bvh = nullptr;
+  return guarded([&] {
+    if (count != 0) require(meshes);
+    std::vector<Mesh> views;
+    views.reserve(count);
+    const auto* at = reinterpret_cast<const unsigned char*>(meshes);
+    for (std::size_t i = 0; i < count; ++i) {
+      std::size_t size;
+      std::memcpy(&size, at, sizeof size);
+      views.push_back(to_mesh(read_versioned<CMesh>(at, defaults, name)));
+      at += size;
+    }
+    *bvh = new kerf_bvh(kerf::build(std::span<const Mesh>(views), to_options(options)));
+  });
+}
+
+template <class Read>
+kerf_status open(const char* path, kerf_bvh** bvh, const Read& read) {
+  if (bvh == nullptr) return fail(KERF_INVALID_ARGUMENT, "a pointer is null");
+  *bvh = nullptr;
+  return guarded([&] {
+    require(path);
+    *bvh = new kerf_bvh(read(std::filesystem::path(reinterpret_cast<const char8_t*>(path))));
+  });
+}
+
+// What `answers` has goes into the caller's array as far as that reaches.
+template <class Answers, class C>
+void hand_out(const Answers& answers, C* to, std::size_t capacity, std::size_t* count) {
+  using Answer = std::ranges::range_value_t<Answers>;
+  static_assert(same_layout<C, Answer>);
+  const std::size_t size = std::ranges::size(answers), fit = std::min(size, capacity);
+  if (fit != 0) {
+    require(to);
+    std::memcpy(to, std::ranges::data(answers), fit * sizeof(C));
+  }
+  if (count != nullptr) *count = size;
+}
+template <class Answer, class C>
+void hand_out(const kerf::Lists<Answer>& lists, std::size_t* offsets, C* to, std::size_t capacity) {
+  require(offsets);
+  hand_out(lists.items, to, capacity, nullptr);
+  std::copy(lists.offsets.begin(), lists.offsets.end(), offsets);
+}
+
+template <class To, class From>
+kerf::Column<To> to_column(const From& column) {
+  return {column.data, column.stride};
+}
+
+kerf::RayView to_view(const kerf_rays* given) {
+  require(given);
+  const auto rays = read_versioned<kerf_rays>(given, kerf_rays{}, "kerf_rays");
+  kerf::RayView view;
+  view.count = rays.count;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (rays.count != 0) require(rays.origin[axis].data, rays.direction[axis].data);
+    view.origin[axis] = to_column<const float>(rays.origin[axis]);
+    view.direction[axis] = to_column<const float>(rays.direction[axis]);
+  }
+  view.t_min = to_column<const float>(rays.t_min);
+  view.t_max = to_column<const float>(rays.t_max);
+  view.mask = to_column<const std::uint32_t>(rays.mask);
+  return view;
+}
+
+kerf::HitView to_view(const kerf_hits* given) {
+  require(given);
+  const auto hits = read_versioned<kerf_hits>(given, kerf_hits{}, "kerf_hits");
+  kerf::HitView view;
+  view.count = hits.count;
+  view.t = to_column<float>(hits.t);
+  view.u = to_column<float>(hits.u);
+  view.v = to_column<float>(hits.v);
+  view.primitive = to_column<std::uint32_t>(hits.primitive);
+  view.mesh = to_column<std::uint32_t>(hits.mesh);
+  return view;
+}
+
+kerf::PointView to_view(const kerf_points* given) {
+  require(given);
+  const auto points = read_versioned<kerf_points>(given, kerf_points{}, "kerf_points");
+  if (points.count != 0) require(points.data);
+  return kerf::PointView(
+      kerf::TripleView<float>(points.data, points.count, points.stride != 0 ? points.stride : 12));
+}
+
+template <class T>
+std::span<T> answers(T* data, std::size_t count) {
+  if (count != 0) require(data);
+  return {data, count};
+}
+
+}  // namespace
+
+extern "C" {
+
+const char* kerf_last_error(void) {
+  return last_error;
+}
+uint32_t kerf_version(void) {
+  return KERF_C_VERSION_MAJOR * 10000 + KERF_C_VERSION_MINOR * 100 + KERF_C_VERSION_PATCH;
+}
+
+kerf_status kerf_build(const kerf_mesh* meshes, size_t mesh_count, const kerf_build_options* options,
+                       kerf_bvh** bvh) {
+  return build<kerf::TriangleMesh, kerf_mesh>(meshes, mesh_count, KERF_MESH_INIT, "kerf_mesh", options, bvh);
+}
+kerf_status kerf_build_double(const kerf_double_mesh* meshes, size_t mesh_count,
+                              const kerf_build_options* options, kerf_bvh** bvh) {
+  return build<kerf::DoubleMesh, kerf_double_mesh>(meshes, mesh_count, KERF_DOUBLE_MESH_INIT,
+                                                   "kerf_double_mesh", options, bvh);
+}
+
+kerf_bvh* kerf_bvh_retain(const kerf_bvh* bvh) {
+  if (bvh != nullptr) bvh->owners.fetch_add(1, std::memory_order_relaxed);
+  return const_cast<kerf_bvh*>(bvh);
+}
+void kerf_bvh_release(const kerf_bvh* bvh) {
+  if (bvh != nullptr && bvh->owners.fetch_sub(1, std::memory_order_acq_rel) == 1) delete bvh;
+}
+
+kerf_status kerf_save(const kerf_bvh* bvh, const char* path) {
+  return guarded([&] {
+    require(bvh, path);
+    bvh->bvh.save(std::filesystem::path(reinterpret_cast<const char8_t*>(path)));
+  });
+}
+kerf_status kerf_load(const char* path, kerf_bvh** bvh) {
+  return open(path, bvh, [](const std::filesystem::path& file) { return kerf::Bvh::load(file); });
+}
+kerf_status kerf_map(const char* path, kerf_bvh** bvh) {
+  return open(path, bvh, [](const std::filesystem::path& file) { return kerf::Bvh::map(file); });
+}
+
+kerf_status kerf_get_statistics(const kerf_bvh* bvh, kerf_statistics* statistics) {
+  return guarded([&] {
+    require(bvh, statistics);
+    const std::size_t size =
+        read_versioned<kerf_statistics>(statistics, KERF_STATISTICS_INIT, "kerf_statistics").struct_size;
+    const kerf::BvhStatistics& all = bvh->bvh.statistics();
+    const kerf_statistics filled{.struct_size = size,
+                                 .triangles = all.triangles,
+                                 .degenerate_triangles = all.degenerate_triangles,
+                                 .non_finite_triangles = all.non_finite_triangles,
+                                 .degenerate_by_rounding = all.degenerate_by_rounding,
+                                 .references = all.references,
+                                 .nodes = all.nodes,
+                                 .bytes = all.bytes,
+                                 .build_peak_bytes = all.build_peak_bytes,
+                                 .build_seconds = all.build_seconds};
+    std::memcpy(statistics, &filled, std::min(size, sizeof filled));
+  });
+}
+
+kerf_status kerf_get_mesh_statistics(const kerf_bvh* bvh, kerf_mesh_statistics* statistics, size_t capacity,
+                                     size_t* count) {
+  static_assert(same_layout<kerf_mesh_statistics, kerf::MeshStatistics>);
+  return guarded([&] {
+    require(bvh, count);
+    hand_out(bvh->bvh.mesh_statistics(), statistics, capacity, count);
+  });
+}
+
+kerf_box kerf_bounds(const kerf_bvh* bvh) {
+  return std::bit_cast<kerf_box>(bvh->bvh.bounds());
+}
+
+void kerf_origin(const kerf_bvh* bvh, double origin[3]) {
+  const kerf::Vec3d at = bvh->bvh.origin();
+  origin[0] = at.x, origin[1] = at.y, origin[2] = at.z;
+}
+void kerf_to_local(const kerf_bvh* bvh, const double point[3], float local[3]) {
+  const kerf::Vec3f at = bvh->bvh.to_local(kerf::Vec3d{point[0], point[1], point[2]});
+  local[0] = at.x, local[1] = at.y, local[2] = at.z;
+}
+void kerf_from_local(const kerf_bvh* bvh, const float local[3], double point[3]) {
+  const kerf::Vec3d at = bvh->bvh.from_local(to_point(local));
+  point[0] = at.x, point[1] = at.y, point[2] = at.z;
+}
+
+int kerf_intersect(const kerf_bvh* bvh, const kerf_ray* ray, kerf_hit* hit) {
+  const std::optional<kerf::Hit> found = bvh->bvh.intersect(*as<const kerf::Ray>(ray));
+  *hit = to_c(found ? *found : kerf::Hit{});
+  return found.has_value();
+}
+int kerf_occluded(const kerf_bvh* bvh, const kerf_ray* ray) {
+  return bvh->bvh.occluded(*as<const kerf::Ray>(ray));
+}
+
+kerf_status kerf_intersect_filtered(const kerf_bvh* bvh, const kerf_ray* ray, uint32_t mask,
+                                    kerf_filter filter, void* context, kerf_hit* hit) {
+  return guarded([&] {
+    require(bvh, ray, hit);
+    const kerf::Mask bits{mask};
+    const std::optional<kerf::Hit> found =
+        filter == nullptr ? bvh->bvh.intersect(to_ray(*ray), bits)
+                          : bvh->bvh.intersect(to_ray(*ray), bits, [&](const kerf::Hit& candidate) {
+                              const kerf_hit asked = to_c(candidate);
+                              return filter(context, &asked) != 0;
+                            });
+    *hit = to_c(found.value_or(kerf::Hit{}));
+  });
+}
+kerf_status kerf_occluded_filtered(const kerf_bvh* bvh, const kerf_ray* ray, uint32_t mask,
+                                   kerf_filter filter, void* context, int* occluded) {
+  return guarded([&] {
+    require(bvh, ray, occluded);
+    const kerf::Mask bits{mask};
+    *occluded = filter == nullptr ? bvh->bvh.occluded(to_ray(*ray), bits)
+                                  : bvh->bvh.occluded(to_ray(*ray), bits, [&](const kerf::Hit& candidate) {
+                                      const kerf_hit asked = to_c(candidate);
+                                      return filter(context, &asked) != 0;
+                                    });
+  });
+}
+
+kerf_status kerf_all_hits(const kerf_bvh* bvh, const kerf_ray* ray, kerf_hit* hits, size_t capacity,
+                          size_t* count) {
+  return guarded([&] {
+    require(bvh, ray, count);
+    if (capacity != 0) require(hits);
+    *count = bvh->bvh.all_hits(to_ray(*ray), std::span(as<kerf::Hit>(hits), capacity));
+  });
+}
+kerf_status kerf_visit_hits(const kerf_bvh* bvh, const kerf_ray* ray, kerf_filter visit, void* context) {
+  return guarded([&] {
+    require(bvh, ray);
+    if (visit == nullptr) refuse("a pointer is null");
+    bvh->bvh.all_hits(to_ray(*ray), [&](const kerf::Hit& hit) {
+      const kerf_hit visited = to_c(hit);
+      return visit(context, &visited) != 0;
+    });
+  });
+}
+kerf_status kerf_count_hits(const kerf_bvh* bvh, const kerf_ray* ray, size_t* count) {
+  return guarded([&] {
+    require(bvh, ray, count);
+    *count = bvh->bvh.count_hits(to_ray(*ray));
+  });
+}
+
+kerf_status kerf_contains(const kerf_bvh* bvh, const float point[3], int* inside) {
+  return guarded([&] {
+    require(bvh, point, inside);
+    *inside = bvh->bvh.contains(to_point(point));
+  });
+}
+kerf_status kerf_get_side(const kerf_bvh* bvh, const float point[3], kerf_side* side) {
+  return guarded([&] {
+    require(bvh, point, side);
+    *side = static_cast<kerf_side>(bvh->bvh.side(to_point(point)));
+  });
+}
+kerf_status kerf_closest_point(const kerf_bvh* bvh, const float point[3], float max_distance,
+                               kerf_surface_point* closest) {
+  return guarded([&] {
+    require(bvh, point, closest);
+    const kerf::SurfacePoint found =
+        bvh->bvh.closest_point(to_point(point), max_distance).value_or(kerf::SurfacePoint{});
+    std::memcpy(closest, &found, sizeof found);
+  });
+}
+kerf_status kerf_signed_distance(const kerf_bvh* bvh, const float point[3], float* distance) {
+  return guarded([&] {
+    require(bvh, point, distance);
+    *distance = bvh->bvh.signed_distance(to_point(point));
+  });
+}
+
+kerf_status kerf_nearest(const kerf_bvh* bvh, const float point[3], size_t wanted, float max_distance,
+                         kerf_surface_point* nearest, size_t capacity, size_t* count) {
+  return guarded([&] {
+    require(bvh, point, count);
+    hand_out(bvh->bvh.nearest(to_point(point), wanted, max_distance), nearest, capacity, count);
+  });
+}
+kerf_status kerf_within(const kerf_bvh* bvh, const float point[3], float radius, kerf_surface_point* points,
+                        size_t capacity, size_t* count) {
+  return guarded([&] {
+    require(bvh, point, count);
+    hand_out(bvh->bvh.within(to_point(point), radius), points, capacity, count);
+  });
+}
+kerf_status kerf_triangles_in(const kerf_bvh* bvh, const kerf_box* box, kerf_primitive_id* ids,
+                              size_t capacity, size_t* count) {
+  return guarded([&] {
+    require(bvh, box, count);
+    hand_out(bvh->bvh.triangles_in(*as<const kerf::Box3f>(box)), ids, capacity, count);
+  });
+}
+
+kerf_status kerf_touches(const kerf_bvh* bvh, const kerf_bvh* other, const kerf_transform* transform,
+                         int* touch) {
+  return guarded([&] {
+    require(bvh, other, touch);
+    *touch = bvh->bvh.touches(other->bvh, to_transform(transform));
+  });
+}
+kerf_status kerf_touching_pairs(const kerf_bvh* bvh, const kerf_bvh* other, const kerf_transform* transform,
+                                kerf_touching_pair* pairs, size_t capacity, size_t* count) {
+  return guarded([&] {
+    require(bvh, other, count);
+    hand_out(bvh->bvh.touching_pairs(other->bvh, to_transform(transform)), pairs, capacity, count);
+  });
+}
+
+kerf_status kerf_get_triangle(const kerf_bvh* bvh, kerf_primitive_id id, kerf_triangle* triangle,
+                              int* found) {
+  return guarded([&] {
+    require(bvh, triangle, found);
+    const std::optional<kerf::Triangle> corners =
+        bvh->bvh.triangle({.primitive = id.primitive, .mesh = id.mesh});
+    *found = corners.has_value();
+    if (corners) std::memcpy(triangle, &*corners, sizeof *triangle);
+  });
+}
+kerf_status kerf_get_geometry(const kerf_bvh* bvh, const kerf_ray* ray, const kerf_hit* hit,
+                              kerf_hit_geometry* geometry) {
+  return guarded([&] {
+    require(bvh, ray, hit, geometry);
+    const kerf::HitGeometry found = bvh->bvh.geometry(to_ray(*ray), *as<const kerf::Hit>(hit));
+    std::memcpy(&geometry->triangle, &found.triangle, sizeof found.triangle);
+    std::memcpy(geometry->normal, &found.normal, sizeof found.normal);
+    geometry->front = found.front;
+  });
+}
+
+kerf_rays kerf_rays_of(const kerf_ray* rays, size_t count) {
+  kerf_rays view{};
+  view.struct_size = sizeof view;
+  if (rays == nullptr) return view;
+  view.count = count;
+  constexpr ptrdiff_t stride = sizeof(kerf_ray);
+  for (int axis = 0; axis < 3; ++axis) {
+    view.origin[axis] = {&rays->origin[axis], stride};
+    view.direction[axis] = {&rays->direction[axis], stride};
+  }
+  view.t_min = {&rays->t_min, stride};
+  view.t_max = {&rays->t_max, stride};
+  return view;
+}
+kerf_hits kerf_hits_of(kerf_hit* hits, size_t count) {
+  kerf_hits view{};
+  view.struct_size = sizeof view;
+  if (hits == nullptr) return view;
+  view.count = count;
+  constexpr ptrdiff_t stride = sizeof(kerf_hit);
+  view.t = {&hits->t, stride};
+  view.u = {&hits->u, stride};
+  view.v = {&hits->v, stride};
+  view.primitive = {&hits->primitive, stride};
+  view.mesh = {&hits->mesh, stride};
+  return view;
+}
+kerf_points kerf_points_of(const float* points, size_t count) {
+  return {sizeof(kerf_points), points, points == nullptr ? 0 : count, 0};
+}
+
+kerf_status kerf_intersect_many(const kerf_bvh* bvh, const kerf_rays* rays, const kerf_hits* hits,
+                                const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    bvh->bvh.intersect(to_view(rays), to_view(hits), to_options(options));
+  });
+}
+kerf_status kerf_occluded_many(const kerf_bvh* bvh, const kerf_rays* rays, uint8_t* occluded,
+                               const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    const kerf::RayView view = to_view(rays);
+    bvh->bvh.occluded(view, answers(occluded, view.count), to_options(options));
+  });
+}
+kerf_status kerf_intersect_many_filtered(const kerf_bvh* bvh, const kerf_rays* rays,
+                                         kerf_filter_of_many filter, void* context, const kerf_hits* hits,
+                                         const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    if (filter == nullptr) refuse("a pointer is null");
+    bvh->bvh.intersect(
+        to_view(rays), to_view(hits),
+        [&](std::size_t ray, const kerf::Hit& hit) {
+          const kerf_hit asked = to_c(hit);
+          return filter(context, ray, &asked) != 0;
+        },
+        to_options(options));
+  });
+}
+kerf_status kerf_occluded_many_filtered(const kerf_bvh* bvh, const kerf_rays* rays,
+                                        kerf_filter_of_many filter, void* context, uint8_t* occluded,
+                                        const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    if (filter == nullptr) refuse("a pointer is null");
+    const kerf::RayView view = to_view(rays);
+    bvh->bvh.occluded(
+        view, answers(occluded, view.count),
+        [&](std::size_t ray, const kerf::Hit& hit) {
+          const kerf_hit asked = to_c(hit);
+          return filter(context, ray, &asked) != 0;
+        },
+        to_options(options));
+  });
+}
+
+kerf_status kerf_count_hits_many(const kerf_bvh* bvh, const kerf_rays* rays, uint32_t* counts,
+                                 const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    const kerf::RayView view = to_view(rays);
+    bvh->bvh.count_hits(view, answers(counts, view.count), to_options(options));
+  });
+}
+kerf_status kerf_all_hits_many(const kerf_bvh* bvh, const kerf_rays* rays, const size_t* offsets,
+                               kerf_hit* hits, size_t capacity, const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh, offsets);
+    const kerf::RayView view = to_view(rays);
+    bvh->bvh.all_hits(view, std::span(offsets, view.count + 1), answers(as<kerf::Hit>(hits), capacity),
+                      to_options(options));
+  });
+}
+
+kerf_status kerf_contains_many(const kerf_bvh* bvh, const kerf_points* points, uint8_t* inside,
+                               const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    const kerf::PointView view = to_view(points);
+    bvh->bvh.contains(view, answers(inside, view.size()), to_options(options));
+  });
+}
+kerf_status kerf_side_many(const kerf_bvh* bvh, const kerf_points* points, uint8_t* sides,
+                           const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    const kerf::PointView view = to_view(points);
+    const std::span<uint8_t> bytes = answers(sides, view.size());
+    bvh->bvh.side(view, std::span(reinterpret_cast<kerf::Side*>(bytes.data()), bytes.size()),
+                  to_options(options));
+  });
+}
+kerf_status kerf_closest_point_many(const kerf_bvh* bvh, const kerf_points* points, float max_distance,
+                                    kerf_surface_point* closest, const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    const kerf::PointView view = to_view(points);
+    bvh->bvh.closest_point(view, answers(as<kerf::SurfacePoint>(closest), view.size()), max_distance,
+                           to_options(options));
+  });
+}
+kerf_status kerf_signed_distance_many(const kerf_bvh* bvh, const kerf_points* points, float* distances,
+                                      const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    const kerf::PointView view = to_view(points);
+    bvh->bvh.signed_distance(view, answers(distances, view.size()), to_options(options));
+  });
+}
+
+kerf_status kerf_nearest_many(const kerf_bvh* bvh, const kerf_points* points, size_t wanted,
+                              float max_distance, size_t* offsets, kerf_surface_point* nearest,
+                              size_t capacity, const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    hand_out(bvh->bvh.nearest(to_view(points), wanted, max_distance, to_options(options)), offsets, nearest,
+             capacity);
+  });
+}
+kerf_status kerf_within_many(const kerf_bvh* bvh, const kerf_points* points, float radius, size_t* offsets,
+                             kerf_surface_point* found, size_t capacity, const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    hand_out(bvh->bvh.within(to_view(points), radius, to_options(options)), offsets, found, capacity);
+  });
+}
+kerf_status kerf_triangles_in_many(const kerf_bvh* bvh, const kerf_box* boxes, size_t count, size_t* offsets,
+                                   kerf_primitive_id* ids, size_t capacity,
+                                   const kerf_batch_options* options) {
+  return guarded([&] {
+    require(bvh);
+    hand_out(bvh->bvh.triangles_in(answers(as<const kerf::Box3f>(boxes), count), to_options(options)),
+             offsets, ids, capacity);
+  });
+}
+
+}  // extern "C"
