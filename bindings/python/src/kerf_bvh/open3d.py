@@ -140,7 +140,7 @@ class RaycastingScene:
         normals = np.cross(corners[..., 1, :] - corners[..., 0, :], corners[..., 2, :] - corners[..., 0, :])
         lengths = np.linalg.norm(normals, axis=-1, keepdims=True)
         unit = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
-        return np.nan_to_num(unit).astype(np.float32)
+        return np.asarray(np.nan_to_num(unit), np.float32)
 
 
 def _rays(rays: ArrayLike) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
