@@ -14,12 +14,11 @@ import types
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from trimesh import proximity as _proximity
 from trimesh import ray as _ray
 
 from . import _kerf
-from ._arrays import ArrayLike, Bool, Float64, Int64
+from ._arrays import ArrayLike, Bool, Float32, Float64, Int64
 from ._bvh import Bvh
 
 __all__ = [
@@ -61,6 +60,13 @@ def _points(points: ArrayLike) -> Float64:
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError("points must be (n,3)!")
     return array
+
+
+def _size(bvh: Bvh, origins: Float64) -> Float64:
+    """The largest coordinate that has to do with each of the rays."""
+    bounds = bvh.bounds
+    of_mesh = 0.0 if bounds is None else float(np.abs(bounds).max())
+    return np.asarray(np.abs(origins).max(axis=1, initial=0.0) + of_mesh)
 
 
 class RayMeshIntersector:
@@ -128,52 +134,57 @@ class RayMeshIntersector:
         self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool
     ) -> tuple[Int64, Int64, Float64]:
         origins, directions = self._rays(ray_origins, ray_directions)
-        return (self._all_hits if multiple_hits else self._first_hits)(origins, directions)
+        faces, rays, t = (self._all_hits if multiple_hits else self._first_hits)(origins, directions)
+        at, along = origins[rays], directions[rays]
+        return faces, rays, at + self._distances(at, along, faces, t)[0][:, None] * along
 
-    def _all_hits(self, origins: Float64, directions: Float64) -> tuple[Int64, Int64, Float64]:
-        lists = bvh_of(self.mesh).all_hits(origins, directions)
-        rays, faces = lists.question, lists.items.primitive.astype(np.int64)
-        locations, counts = self._placed(origins[rays], directions[rays], faces, lists.items.t)
-        return faces[counts], rays[counts], locations[counts]
-
-    def _first_hits(self, origins: Float64, directions: Float64) -> tuple[Int64, Int64, Float64]:
+    def _all_hits(self, origins: Float64, directions: Float64) -> tuple[Int64, Int64, Float32]:
         bvh = bvh_of(self.mesh)
-        hits = bvh.intersect(origins, directions)
-        rays = np.flatnonzero(hits.hit)
-        faces, t = hits.primitive[rays].astype(np.int64), hits.t[rays]
-        locations, counts = self._placed(origins[rays], directions[rays], faces, t)
-        # Rays that leave the surface that they begin on go on behind it.
-        while not counts.all():
-            again = np.flatnonzero(~counts)
-            onward = np.nextafter(t[again], np.float32(np.inf))
-            more = bvh.intersect(origins[rays[again]], directions[rays[again]], onward)
-            found = again[more.hit]
-            faces[found], t[found] = more.primitive[more.hit], more.t[more.hit]
-            counts[found] = True
-            locations[found], counts[found] = self._placed(
-                origins[rays[found]], directions[rays[found]], faces[found], t[found]
-            )
-            lost = np.ones(len(rays), np.bool_)
-            lost[again[~more.hit]] = False
-            rays, faces, t, locations, counts = rays[lost], faces[lost], t[lost], locations[lost], counts[lost]
-        return faces, rays, locations
+        size = _size(bvh, origins)
+        lists = bvh.all_hits(origins, directions, -_NEAR * size)
+        rays, faces, t = lists.question, lists.items.primitive.astype(np.int64), lists.items.t
+        kept = self._count(origins, directions, size, rays, faces, t)
+        return faces[kept], rays[kept], t[kept]
 
-    def _placed(
-        self, origins: Float64, directions: Float64, faces: Int64, t: npt.NDArray[np.float32]
+    def _first_hits(self, origins: Float64, directions: Float64) -> tuple[Int64, Int64, Float32]:
+        bvh = bvh_of(self.mesh)
+        size = _size(bvh, origins)
+        # A little behind the origin, where rounding to float32 may have left the surface that it lies on.
+        hits = bvh.intersect(origins, directions, -_NEAR * size)
+        faces, t = hits.primitive.astype(np.int64), hits.t
+        asked = np.flatnonzero(hits.hit & (t <= _NEAR * size))
+        # Rays that leave the surface that they begin on go on behind it.
+        while len(asked := asked[~self._count(origins, directions, size, asked, faces[asked], t[asked])]) != 0:
+            more = bvh.intersect(origins[asked], directions[asked], np.nextafter(t[asked], np.float32(np.inf)))
+            faces[asked], t[asked] = more.primitive, more.t
+            asked = asked[more.hit]
+        rays = np.flatnonzero(np.isfinite(t))
+        return faces[rays], rays, t[rays]
+
+    def _count(
+        self, origins: Float64, directions: Float64, size: Float64, rays: Int64, faces: Int64, t: Float32
+    ) -> Bool:
+        """Which hits of these rays count: those of a surface that a ray begins on do if the ray goes in, and do not
+        if it comes out. Where rays begin is told in double precision."""
+        counts = t > _NEAR * size[rays]
+        near = np.flatnonzero(~counts)
+        if len(near) != 0:
+            ray = rays[near]
+            exact, is_entered = self._distances(origins[ray], directions[ray], faces[near], t[near])
+            on_surface = _ON_SURFACE * size[ray]
+            counts[near] = np.where(is_entered, exact >= -on_surface, exact > on_surface)
+        return counts
+
+    def _distances(
+        self, origins: Float64, directions: Float64, faces: Int64, t: Float32
     ) -> tuple[Float64, Bool]:
-        """Where in double precision hits are, and whether they count: those of a surface that a ray begins on
-        count if the ray goes in, and do not if it comes out."""
+        """How far hits are, in double precision, and whether they are of fronts of faces."""
         corners = np.asarray(self.mesh.triangles)[faces]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         along = np.einsum("ij,ij->i", normals, directions)
         apart = np.einsum("ij,ij->i", normals, corners[:, 0] - origins)
         is_steep = np.abs(along) > 1e-6 * np.linalg.norm(normals, axis=1)
-        exact = np.divide(apart, along, out=t.astype(np.float64), where=is_steep)
-        size = np.abs(corners).max(axis=(1, 2), initial=0.0) + np.abs(origins).max(axis=1, initial=0.0)
-        on_surface = _ON_SURFACE * size
-        is_entered = (along < 0) & (exact >= -on_surface)
-        counts = (t > _NEAR * size) | is_entered | (exact > on_surface)
-        return origins + exact[:, None] * directions, counts
+        return np.divide(apart, along, out=t.astype(np.float64), where=is_steep), along < 0
 
 
 class RayTriangleIntersector(RayMeshIntersector):
@@ -234,7 +245,7 @@ def closest_point(mesh: Any, points: ArrayLike) -> tuple[Float64, Float64, Int64
     faces = found.primitive.astype(np.int64)
     closest, distances = _refined(mesh, points, faces)
     weights = np.minimum(np.minimum(found.u, found.v), 1 - found.u - found.v)
-    edge = np.flatnonzero((weights < 1e-6) & (distances**2 > _MERGE))
+    edge = np.flatnonzero((weights < 1e-6) & (distances > 0))
     pairs = bvh.nearest(points[edge], 2)
     edge, first = edge[pairs.counts == 2], pairs.offsets[:-1][pairs.counts == 2]
     if len(edge) != 0:
@@ -245,7 +256,7 @@ def closest_point(mesh: Any, points: ArrayLike) -> tuple[Float64, Float64, Int64
             outwards = (points[edge] - place) / distance[:, None]
             towards.append(np.einsum("ij,ij->i", np.asarray(mesh.face_normals)[number], outwards))
         squares = [distance**2 for _, _, distance in both]
-        is_tie = np.abs(squares[0] - squares[1]) < _MERGE
+        is_tie = np.abs(squares[0] - squares[1]) < 1e-8 * squares[0]
         second = np.where(is_tie, towards[1] > towards[0], squares[1] < squares[0])
         for (number, place, distance), chosen in zip(both, (~second, second)):
             faces[edge[chosen]] = number[chosen]
