@@ -63,6 +63,10 @@ class KERF_API Bvh {
   /// u and v for a ray and a triangle (docs/algorithms.md).
   std::optional<Hit> intersect(const Ray& ray) const;
 
+  /// The same, written where the caller keeps hits: true and the closest hit, or false and a `Hit` that
+  /// converts to false, as calls for many rays write it.
+  bool intersect(const Ray& ray, Hit& hit) const;
+
   /// True if anything is hit in `[ray.t_min, ray.t_max]`.
   bool occluded(const Ray& ray) const;
 

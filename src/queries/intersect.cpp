@@ -12,16 +12,21 @@
 
 namespace kerf {
 
+bool Bvh::intersect(const Ray& ray, Hit& hit) const {
+  const Structure& structure = *structure_;
+  if (structure.wide.empty()) {
+    hit = {};
+    return false;
+  }
+  structure.kernels->closest(structure.wide, ray, hit);
+  if (!hit) return false;
+  name_triangle(structure, hit);
+  return true;
+}
+
 std::optional<Hit> Bvh::intersect(const Ray& ray) const {
   std::optional<Hit> hit;
-  const Structure& structure = *structure_;
-  if (structure.wide.empty()) return hit;
-  structure.kernels->closest(structure.wide, ray, hit.emplace());
-  if (*hit) {
-    name_triangle(structure, *hit);
-  } else {
-    hit.reset();
-  }
+  if (!intersect(ray, hit.emplace())) hit.reset();
   return hit;
 }
 

@@ -197,6 +197,23 @@ TEST(Tracing, ARayMayBeginBehindItsOrigin) {
   }
 }
 
+TEST(Tracing, AHitIsWrittenWhereTheCallerKeepsIt) {
+  std::mt19937 random(8);
+  const TriangleSoup soup = random_soup(random, 100, 1.0f, 1.0f);
+  const kerf::Bvh bvh = kerf::build(soup.mesh()), empty;
+  for (int i = 0; i < 200; ++i) {
+    const Ray ray{.origin = random_point(random), .direction = random_point(random)};
+    const kerf::Hit old{.t = 1.0f, .u = 0.5f, .v = 0.25f, .primitive = 7, .mesh = 3};
+    kerf::Hit hit = old;
+    const auto expected = bvh.intersect(ray);
+    EXPECT_EQ(bvh.intersect(ray, hit), expected.has_value());
+    EXPECT_EQ(hit, expected.value_or(kerf::Hit{}));
+    hit = old;
+    EXPECT_FALSE(empty.intersect(ray, hit));
+    EXPECT_EQ(hit, kerf::Hit{});
+  }
+}
+
 TEST(Tracing, RaysThatAreNoRaysHitNothing) {
   std::mt19937 random(7);
   const TriangleSoup soup = random_soup(random, 100, 2.0f, 1.0f);

@@ -369,9 +369,7 @@ void kerf_from_local(const kerf_bvh* bvh, const float local[3], double point[3])
 }
 
 int kerf_intersect(const kerf_bvh* bvh, const kerf_ray* ray, kerf_hit* hit) {
-  const std::optional<kerf::Hit> found = bvh->bvh.intersect(*as<const kerf::Ray>(ray));
-  *hit = to_c(found ? *found : kerf::Hit{});
-  return found.has_value();
+  return bvh->bvh.intersect(*as<const kerf::Ray>(ray), *as<kerf::Hit>(hit));
 }
 int kerf_occluded(const kerf_bvh* bvh, const kerf_ray* ray) {
   return bvh->bvh.occluded(*as<const kerf::Ray>(ray));
