@@ -26,10 +26,12 @@ def test_a_pickle_holds_the_same_hierarchy_and_its_frame(random):
         assert np.array_equal(other.closest_point(points).position, far.closest_point(points).position)
 
 
-def test_masks_are_not_lost_without_a_word():
-    masked = kerf_bvh.Bvh.from_meshes([(support.CUBE_VERTICES, support.CUBE_FACES)], masks=[1])
-    with pytest.raises(pickle.PicklingError, match="masks"):
-        pickle.dumps(masked)
+def test_files_and_pickles_hold_masks(tmp_path):
+    masked = kerf_bvh.Bvh.from_meshes([(support.CUBE_VERTICES, support.CUBE_FACES)], masks=[2])
+    masked.save(tmp_path / "masked.kerf")
+    for other in (pickle.loads(pickle.dumps(masked)), kerf_bvh.Bvh.load(tmp_path / "masked.kerf")):
+        ray = [0.25, 0.5, 2], [0, 0, -1]
+        assert other.occluded(*ray, mask=2) and not other.occluded(*ray, mask=1)
 
 
 def test_files_that_are_not_right_are_refused(tmp_path, cube):

@@ -71,6 +71,7 @@ def test_limits_are_included(cube):
     assert cube.intersect(*down).t == 2
     assert cube.occluded(*down, 0, 2) and not cube.occluded(*down, 0, np.nextafter(np.float32(2), np.float32(0)))
     assert cube.intersect(*down, 2.5).t == 3
+    assert cube.intersect([0.25, 0.5, 0.5], [0, 0, -1], -np.inf).t == -0.5
     assert cube.intersect(np.tile(down[0], (2, 1)), down[1], [0, 2.5], [9, 9]).t.tolist() == [2, 3]
     assert cube.count_hits(*down, 2, 3) == 2 and cube.count_hits(*down, 2.5, 3) == 1
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import pickle
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -141,7 +140,7 @@ class Bvh:
     Errors: ValueError, TypeError (elements that are not real numbers), MemoryError, OSError, `Cancelled`.
     """
 
-    __slots__ = ("_bvh", "_has_masks", "_origin", "_firsts")
+    __slots__ = ("_bvh", "_origin", "_firsts")
 
     def __init__(
         self,
@@ -169,16 +168,15 @@ class Bvh:
         mesh: Mesh = vertices if faces is None else (vertices, faces)
         self._set(_build([mesh], None, [""], **options))
 
-    def _set(self, bvh: _kerf.Bvh, has_masks: bool = False) -> None:
+    def _set(self, bvh: _kerf.Bvh) -> None:
         self._bvh = bvh
-        self._has_masks = has_masks
         self._origin: Float64 = np.array(bvh.origin())
         self._firsts: Int64 | None = None
 
     @classmethod
-    def _of(cls, bvh: _kerf.Bvh, has_masks: bool = False) -> Bvh:
+    def _of(cls, bvh: _kerf.Bvh) -> Bvh:
         new = cls.__new__(cls)
-        new._set(bvh, has_masks)
+        new._set(bvh)
         return new
 
     @classmethod
@@ -194,8 +192,7 @@ class Bvh:
         if not isinstance(meshes, Sequence):
             raise TypeError("meshes: a list of tuples of vertices and faces is needed")
         names = [f"mesh {i}: " for i in range(len(meshes))]
-        has_masks = masks is not None and any(mask != ALL for mask in masks)
-        return cls._of(_build(meshes, masks, names, **options), has_masks)
+        return cls._of(_build(meshes, masks, names, **options))
 
     # Rays
 
@@ -215,7 +212,8 @@ class Bvh:
 
         origins, directions: (..., 3), or (3,) for one that all rays share. Directions have any length but 0; t
             counts in their lengths.
-        t_min, t_max: numbers, or (...). A ray that begins on a surface needs a t_min of a little more than 0.
+        t_min, t_max: numbers, or (...), which may be negative: a ray may begin behind its origin. One that begins
+            on a surface needs a t_min of a little more than 0.
         mask: integers of 32 bits, one or (...): a ray sees the meshes that share a bit with it.
         accept: bool (t,) for one mesh, or a list of these for several: False for triangles that rays pass.
         threads: how many to use, 0 for all.
@@ -435,7 +433,7 @@ class Bvh:
     # Files
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a `.kerf` file. It gets its name when it is complete and on the disk. Masks are not written.
+        """Writes a `.kerf` file. It gets its name when it is complete and on the disk.
 
         Raises OSError, MemoryError.
         """
@@ -459,8 +457,6 @@ class Bvh:
         return cls._of(_kerf.map(_readable(path)))
 
     def __reduce__(self) -> tuple[Callable[[bytes], Bvh], tuple[bytes]]:
-        if self._has_masks:
-            raise pickle.PicklingError("a hierarchy whose meshes have masks cannot be pickled: files do not hold masks")
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "pickled.kerf")
             self.save(path)
