@@ -19,7 +19,8 @@ function(kerf_embed target header)
       OUTPUT ${source}
       COMMAND ${CMAKE_COMMAND} -DNAME=${name} -DFILE=${file} -DSOURCE=${source} -P ${KERF_EMBED_SCRIPT}
       DEPENDS ${file} ${KERF_EMBED_SCRIPT}
-      COMMENT "Embedding ${file}")
+      COMMENT "Embedding ${file}"
+      VERBATIM)
     target_sources(${target}_embedded PRIVATE ${source})
     string(APPEND declarations "std::string_view ${name}();\n")
   endwhile()

@@ -21,3 +21,23 @@ if(KERF_TEST_PACKAGE)
   endif()
   kerf_test_package(Package.SharedLibraryIsFoundAndUsed)
 endif()
+
+# What someone meets who sets kerf up for the first time.
+function(kerf_setup_test name case)
+  add_test(NAME Setup.${name} COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/tests/setup/setup_test.py ${case}
+                                      ${PROJECT_SOURCE_DIR})
+endfunction()
+
+if(KERF_TEST_PACKAGE)
+  kerf_setup_test(AFailedTryDoesNotSpoilTheNext a_failed_try_does_not_spoil_the_next)
+  kerf_setup_test(ACopiedOrMovedCheckoutIsSetUpAgain a_copied_or_moved_checkout_is_set_up_again)
+  kerf_setup_test(FilesAreEmbeddedWhateverThePath files_are_embedded_whatever_the_path)
+  kerf_setup_test(WhatAScriptNeedsIsSwitchedOnAgain what_a_script_needs_is_switched_on_again)
+  kerf_setup_test(AFolderOfAnotherGeneratorIsSetUpAgain a_folder_of_another_generator_is_set_up_again)
+  kerf_setup_test(WithoutTheirPackagesTestsAreLeftOutWithAWord without_their_packages_tests_are_left_out_with_a_word)
+  kerf_setup_test(TheLibraryAloneNeedsNoPackageOfTheTool the_library_alone_needs_no_package_of_the_tool)
+  kerf_setup_test(WithoutABuildTypeItIsRelease without_a_build_type_it_is_release)
+  kerf_setup_test(KernelsAreOptimisedInAProjectOfAnyBuildType kernels_are_optimised_in_a_project_of_any_build_type)
+endif()
+kerf_setup_test(Cxx17IsOneErrorThatNamesTheRemedy cxx17_is_one_error_that_names_the_remedy)
+kerf_setup_test(EveryOptionStandsInTheTable every_option_stands_in_the_table)

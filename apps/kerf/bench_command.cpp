@@ -9,6 +9,7 @@
 #include <kerf/build.hpp>
 #include <kerf/error.hpp>
 #include <kerf/inspect.hpp>
+#include <kerf/version.hpp>
 #include <unistd.h>
 
 #include "arguments.hpp"

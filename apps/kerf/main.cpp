@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <kerf/error.hpp>
+#include <kerf/version.hpp>
 
 #include "commands.hpp"
 

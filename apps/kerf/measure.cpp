@@ -9,6 +9,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <kerf/error.hpp>
+#include <kerf/version.hpp>
 #include <unistd.h>
 
 #include "arguments.hpp"

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <string_view>
 
+#include "base/raise.hpp"
 #include "simd/targets.hpp"
 
 namespace kerf {
@@ -35,6 +37,18 @@ struct TargetList {
   }
 };
 
+[[noreturn]] void refuse(const char* wanted) {
+  char names[256] = "";
+  std::size_t length = 0;
+  for (const Target& target : supported_targets()) {
+    const int written =
+        std::snprintf(names + length, sizeof(names) - length, "%s%s", length ? ", " : "", target.name);
+    length = std::min(sizeof(names) - 1, length + static_cast<std::size_t>(written));
+  }
+  raise(Error::invalid_argument, "KERF_TARGET is \"%.40s\", of which this machine knows nothing; it has %s",
+        wanted, names);
+}
+
 }  // namespace
 
 std::span<const Target> supported_targets() {
@@ -44,11 +58,13 @@ std::span<const Target> supported_targets() {
 
 Target choose_target() {
   const std::span<const Target> targets = supported_targets();
-  if (const char* const wanted = std::getenv("KERF_TARGET")) {
+  const char* const wanted = std::getenv("KERF_TARGET");
+  if (wanted != nullptr && *wanted != '\0') {
     const auto found = std::find_if(targets.begin(), targets.end(), [wanted](const Target& target) {
       return target.name == std::string_view(wanted);
     });
-    if (found != targets.end()) return *found;
+    if (found == targets.end()) refuse(wanted);
+    return *found;
   }
   return targets.front();
 }

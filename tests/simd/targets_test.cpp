@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include <gtest/gtest.h>
+#include <kerf/error.hpp>
 
 #include "simd/dispatch.hpp"
 #include "traversal/dispatch.hpp"
@@ -45,8 +46,19 @@ TEST(Targets, AreChosenByTheEnvironment) {
     return std::string_view(choose_target().name);
   };
   for (const Target& target : supported_targets()) EXPECT_EQ(chosen(target.name), target.name);
-  EXPECT_EQ(chosen("none such"), supported_targets().front().name);
   EXPECT_EQ(chosen(""), supported_targets().front().name);
+}
+
+TEST(Targets, AnUnknownNameIsRefusedWithThoseThereAre) {
+  const kerf_tests::ChosenTarget named("AVX9");
+  try {
+    choose_target();
+    FAIL() << "it fell to another target without a word";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::invalid_argument);
+    EXPECT_NE(std::string_view(error.what()).find("KERF_TARGET is \"AVX9\""), std::string_view::npos);
+    EXPECT_TRUE(std::string_view(error.what()).ends_with("SCALAR")) << error.what();
+  }
 }
 
 }  // namespace

@@ -74,6 +74,6 @@ TEST(Dispatch, KernelsAreThoseOfTheTargetThatTheEnvironmentNames) {
   const TriangleSoup soup = random_soup(random, 10, 0.3f, 0.2f);
   for (const kerf::Target& target : kerf::supported_targets())
     EXPECT_EQ(target_for(target.name, soup.mesh()), target.name);
-  EXPECT_EQ(target_for("none such", soup.mesh()), kerf::supported_targets().front().name);
+  EXPECT_THROW(target_for("none such", soup.mesh()), kerf::Error);
   EXPECT_EQ(target_for("", soup.mesh()), kerf::supported_targets().front().name);
 }

@@ -1,0 +1,112 @@
+# The packages of others, each found or refused with the remedy: what it is called on Debian and Ubuntu, and the
+# script that installs it.
+
+# kerf_missing(WHAT PACKAGE SECTION HINT...): fails because WHAT is missing.
+function(kerf_missing what package section)
+  message(FATAL_ERROR
+          "kerf needs ${what}, which was not found. On Debian and Ubuntu:\n"
+          "  scripts/setup ${section}      (all packages of this part of kerf)\n"
+          "  apt install ${package}\n" ${ARGN})
+endfunction()
+
+# The library. A parent project may bring the first two as targets of its own.
+macro(kerf_find_library_packages)
+  if(NOT TARGET TBB::tbb)
+    find_package(TBB QUIET)
+    if(NOT TARGET TBB::tbb)
+      kerf_missing("oneTBB" libtbb-dev library)
+    endif()
+  endif()
+  if(NOT TARGET hwy::hwy)
+    find_package(hwy 1.0 QUIET)
+    if(NOT TARGET hwy::hwy)
+      kerf_missing("Highway 1.0 or newer" libhwy-dev library)
+    endif()
+  endif()
+  find_path(KERF_XXHASH_INCLUDE xxhash.h DOC "The folder of xxhash.h, with which .kerf files are checked")
+  if(NOT KERF_XXHASH_INCLUDE)
+    kerf_missing("xxHash" libxxhash-dev library)
+  endif()
+endmacro()
+
+# The tool. Without it the library needs none of these.
+macro(kerf_find_tool_packages)
+  set(KERF_WITHOUT_TOOL "The library alone, with three packages: cmake --preset library, or -DKERF_BUILD_TOOL=OFF")
+  foreach(package CLI11=libcli11-dev fmt=libfmt-dev nlohmann_json=nlohmann-json3-dev PNG=libpng-dev ZLIB=zlib1g-dev
+                  meshoptimizer=libmeshoptimizer-dev)
+    string(REGEX MATCH "(.*)=(.*)" ignored ${package})
+    set(name ${CMAKE_MATCH_1})
+    set(debian ${CMAKE_MATCH_2})
+    find_package(${name} QUIET)
+    if(NOT ${name}_FOUND)
+      kerf_missing("${name}, for its tool," ${debian} build ${KERF_WITHOUT_TOOL})
+    endif()
+  endforeach()
+  find_path(KERF_DRACO_INCLUDE draco/compression/decode.h)
+  find_library(KERF_DRACO draco)
+  if(NOT KERF_DRACO_INCLUDE OR NOT KERF_DRACO)
+    kerf_missing("Draco, for its tool," libdraco-dev build ${KERF_WITHOUT_TOOL})
+  endif()
+  find_file(KERF_CHART_JS NAMES chart.min.js Chart.min.js
+            PATHS /usr/share/javascript/chart.js /usr/share/nodejs/chart.js/dist
+            DOC "Chart.js 3, minified, which reports are drawn with")
+  if(NOT KERF_CHART_JS)
+    kerf_missing("Chart.js 3, for its tool (KERF_CHART_JS names a chart.min.js)," libjs-chart.js build
+                 ${KERF_WITHOUT_TOOL})
+  endif()
+endmacro()
+
+# The tests: sets `missing` to the packages that are not there, of which the first is told.
+macro(kerf_find_test_packages missing)
+  set(${missing} "")
+  find_package(GTest QUIET)
+  find_package(rapidcheck QUIET)  # properties
+  find_package(Boost QUIET)       # Multiprecision, over GMP: the exact oracles
+  find_package(fmt QUIET)
+  find_library(KERF_GMP gmp)
+  foreach(package GTest=libgtest-dev rapidcheck=librapidcheck-dev Boost=libboost-dev fmt=libfmt-dev)
+    string(REGEX MATCH "(.*)=(.*)" ignored ${package})
+    if(NOT ${CMAKE_MATCH_1}_FOUND)
+      list(APPEND ${missing} ${CMAKE_MATCH_2})
+    endif()
+  endforeach()
+  if(NOT KERF_GMP)
+    list(APPEND ${missing} libgmp-dev)
+  endif()
+  if(KERF_BUILD_TOOL)
+    find_library(KERF_STB stb)  # reads pictures back, independently of libpng
+    if(NOT KERF_STB)
+      list(APPEND ${missing} libstb-dev)
+    endif()
+  endif()
+  if(NOT CMAKE_CROSSCOMPILING)
+    find_package(Python3 QUIET COMPONENTS Interpreter)  # reads the documents and runs what they show
+    if(NOT Python3_FOUND)
+      list(APPEND ${missing} python3)
+    endif()
+  endif()
+endmacro()
+
+# The micro-benchmarks.
+macro(kerf_find_benchmark_packages missing)
+  set(${missing} "")
+  find_package(benchmark QUIET)
+  if(NOT benchmark_FOUND)
+    list(APPEND ${missing} libbenchmark-dev)
+  endif()
+endmacro()
+
+# kerf_decide(VARIABLE WHAT MISSING...): AUTO becomes ON if nothing is missing and OFF, with a message, if something is;
+# ON with something missing fails.
+macro(kerf_decide variable what)
+  set(packages ${ARGN})
+  list(JOIN packages " " names)
+  if(NOT packages)
+    set(${variable} ON)
+  elseif(${variable} STREQUAL "AUTO")
+    message(STATUS "kerf: ${what} are left out for want of ${names}; scripts/setup test installs what they need")
+    set(${variable} OFF)
+  else()
+    kerf_missing("more packages for its ${what}" "${names}" test "Without them: -D${variable}=OFF")
+  endif()
+endmacro()
