@@ -62,80 +62,6 @@ struct HitFilter {
   }
 };
 
-#if !HWY_NATIVE_FMA
-// The nearest triangle found so far.
-struct Nearest {
-  float first, last;  // t, in both
-  std::uint32_t primitive = invalid_id;
-  float u = 0.0f, v = 0.0f;
-
-  explicit Nearest(float t_max = 0.0f) : first(t_max), last(t_max) {}
-};
-
-HWY_INLINE Hit settled_hit(const WideBvh&, const Ray&, const Nearest& nearest) {
-  if (nearest.primitive == invalid_id) return Hit{};
-  return {.t = nearest.last, .u = nearest.u, .v = nearest.v, .primitive = nearest.primitive};
-}
-
-// Makes triangle `i` of a leaf the nearest if it is nearer and `filter` accepts it. Of those at the same t
-// the triangle with the lowest number is nearer.
-template <class Filter>
-HWY_NOINLINE HWY_ATTR bool intersect_one(const RayShear& shear, const WideBvh& bvh, ChildLink leaf,
-                                         std::uint32_t i, const Ray& ray, float t_min, const Filter& filter,
-                                         Nearest& best) {
-  Hit hit;
-  if (!intersect_triangle(shear, ray.origin, ray.direction, triangle_in(bvh, leaf, i), t_min, best.last, hit))
-    return false;
-  const std::uint32_t primitive = triangle_id(bvh, leaf, i);
-  if (hit.t == best.last && primitive >= best.primitive) return false;
-  if (!filter(primitive, {hit.t, hit.u, hit.v})) return false;
-  best.first = best.last = hit.t;
-  best.u = hit.u;
-  best.v = hit.v;
-  best.primitive = primitive;
-  return true;
-}
-
-// a * b - c * d lies between these.
-struct Side {
-  LeafFloats low, high;
-};
-
-// Three roundings of 2^-24, and one more of the bounds themselves.
-HWY_INLINE Side side_between(const LeafFloats& a, const LeafFloats& b, const LeafFloats& c,
-                             const LeafFloats& d) {
-  const LeafFloats ab = a * b, cd = c * d;
-  const LeafFloats difference = ab - cd,
-                   error = (absolute(ab) + absolute(cd)) * broadcast<leaf_group>(0x1p-22f);
-  return {difference - error, difference + error};
-}
-
-// Without fused multiplication and addition exact edge functions cost ten times as much as rounded ones.
-// So the triangles that a ray certainly passes are told from rounded ones, and the few others are decided one
-// by one in double precision. Returns whether `best` changed.
-template <bool any_hit, class Filter>
-HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
-                                std::uint32_t begin, const Ray& ray, const Filter& filter, Nearest& best) {
-  const std::uint32_t count = leaf.count();
-  const float* rows = leaf_rows(bvh, leaf) + begin;
-  const Sheared a = shear(constants, rows, count), b = shear(constants, rows + 3 * count, count),
-                c = shear(constants, rows + 6 * count, count);
-  const Side u = side_between(c.x, b.y, c.y, b.x), v = side_between(a.x, c.y, a.y, c.x),
-             w = side_between(b.x, a.y, b.y, a.x);
-  const LeafFloats least = minimum(minimum(u.high, v.high), w.high),
-                   greatest = maximum(maximum(u.low, v.low), w.low);
-  std::uint32_t rest = lanes_of_group(begin, count);
-  rest &= ~(less(least, broadcast<leaf_group>(-SinglePrecision::min_sign)) &
-            less(broadcast<leaf_group>(SinglePrecision::min_sign), greatest));
-  bool changed = false;
-  for (; rest != 0; rest &= rest - 1) {
-    const std::uint32_t i = begin + static_cast<std::uint32_t>(std::countr_zero(rest));
-    changed |= intersect_one(constants.shear, bvh, leaf, i, ray, constants.t_min, filter, best);
-    if (any_hit && changed) return true;
-  }
-  return changed;
-}
-#else
 // The nearest triangle found so far. Its t is known to lie between two bounds, which is enough to go on with;
 // what it is exactly is computed when another triangle's might be less, and when the ray is done. So no
 // branch waits for double precision.
@@ -167,10 +93,11 @@ HWY_INLINE RayCrossing hit_in_leaf(const WideBvh& bvh, ChildLink leaf, std::uint
   const CrossingEstimate estimate = estimate_crossing(ray.origin, ray.direction, triangle_in(bvh, leaf, i));
   const double t = estimate.height / estimate.slope, u = estimate.u / estimate.slope,
                v = estimate.v / estimate.slope;
-  // No number that `round_crossing` would change.
-  const bool plain =
-      (std::abs(t) >= 0x1p-126) & (std::abs(t) < 0x1p127) & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0);
-  if (HWY_LIKELY(plain & estimate.steep() & estimate.precise()))
+  // No number that `round_crossing` would change. As numbers, so that the compiler makes one branch of all.
+  const auto is = [](bool holds) { return static_cast<unsigned>(holds); };
+  const unsigned plain = is(std::abs(t) >= 0x1p-126) & is(std::abs(t) < 0x1p127) & is(u >= 0.0) &
+                         is(v >= 0.0) & is(u + v <= 1.0);
+  if (HWY_LIKELY((plain & is(estimate.steep()) & is(estimate.precise())) != 0))
     return {static_cast<float>(t), static_cast<float>(u), static_cast<float>(v)};
   return hit_exactly(bvh, leaf, i, ray);
 }
@@ -217,8 +144,26 @@ HWY_NOINLINE HWY_ATTR Nearest intersect_one_by_one(const WideBvh& bvh, ChildLink
   return best;
 }
 
-// `intersect_triangle` on a group of triangles at once: the edge functions operation by operation, and t to
-// within bounds. Returns whether `best` changed; where any hit will do, that is all that `best` tells.
+// An edge function a * b - c * d: its value as it is computed, and what it lies between.
+struct Edges {
+  LeafFloats value, low, high;
+};
+HWY_INLINE Edges edges(const LeafFloats& a, const LeafFloats& b, const LeafFloats& c, const LeafFloats& d) {
+#if HWY_NATIVE_FMA
+  const LeafFloats value = difference_of_products(a, b, c, d);
+  return {value, value, value};
+#else
+  // Without fused multiplication and addition exact ones cost ten times as much as rounded ones. These have
+  // three roundings of 2^-24, and one more of the bounds themselves.
+  const LeafFloats ab = a * b, cd = c * d, value = ab - cd;
+  const LeafFloats error = (absolute(ab) + absolute(cd)) * broadcast<leaf_group>(0x1p-22f);
+  return {value, value - error, value + error};
+#endif
+}
+
+// `intersect_triangle` on a group of triangles at once: the edge functions to within bounds or operation by
+// operation, and t to within bounds. Returns whether `best` changed; where any hit will do, that is all that
+// `best` tells.
 template <bool any_hit, class Filter>
 HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
                                 std::uint32_t begin, const Ray& ray, const Filter& filter, Nearest& best) {
@@ -228,28 +173,37 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
   const float* rows = reinterpret_cast<const float*>(words) + begin;
   const Sheared a = shear(constants, rows, count), b = shear(constants, rows + 3 * count, count),
                 c = shear(constants, rows + 6 * count, count);
-  const LeafFloats u = difference_of_products(c.x, b.y, c.y, b.x),
-                   v = difference_of_products(a.x, c.y, a.y, c.x),
-                   w = difference_of_products(b.x, a.y, b.y, a.x);
-  const LeafFloats min_edge = minimum(minimum(u, v), w), max_edge = maximum(maximum(u, v), w);
+  const Edges u = edges(c.x, b.y, c.y, b.x), v = edges(a.x, c.y, a.y, c.x), w = edges(b.x, a.y, b.y, a.x);
+  const auto least = [](const LeafFloats& p, const LeafFloats& q, const LeafFloats& r)
+                         HWY_ATTR { return minimum(minimum(p, q), r); };
+  const auto greatest = [](const LeafFloats& p, const LeafFloats& q, const LeafFloats& r)
+                            HWY_ATTR { return maximum(maximum(p, q), r); };
   std::uint32_t candidates = lanes_of_group(begin, count);
-  candidates &= ~(less(min_edge, broadcast<leaf_group>(-Limits::min_sign)) &
-                  less(broadcast<leaf_group>(Limits::min_sign), max_edge));
+  candidates &= ~(less(least(u.high, v.high, w.high), broadcast<leaf_group>(-Limits::min_sign)) &
+                  less(broadcast<leaf_group>(Limits::min_sign), greatest(u.low, v.low, w.low)));
   if (candidates == 0) return false;
 
   // What t is for the point that the weights name, and how far from it the ray may cross the plane: the
-  // shear's rounding, times how much the triangle rises along the ray for each step across it.
-  const LeafFloats inverse = broadcast<leaf_group>(1.0f) / (u + v + w);
-  const LeafFloats t = (u * a.z + v * b.z + w * c.z) * inverse * constants.inverse_dz;
-  const LeafFloats rise = (absolute(b.x - a.x) + absolute(b.y - a.y)) * absolute(c.z - a.z) +
-                          (absolute(c.x - a.x) + absolute(c.y - a.y)) * absolute(b.z - a.z);
-  const LeafFloats error = constants.error_of_mean + constants.error_of_shear * rise * absolute(inverse);
+  // shear's rounding, times how much the triangle rises along the ray for each step across it. Weights that
+  // are off by as much as `doubt` move that point by no more than that part of the triangle's extent in z.
+  const LeafFloats area = u.value + v.value + w.value;
+  const LeafFloats inverse = broadcast<leaf_group>(1.0f) / area;
+  const LeafFloats t = (u.value * a.z + v.value * b.z + w.value * c.z) * inverse * constants.inverse_dz;
+  const LeafFloats ab_z = absolute(b.z - a.z), ac_z = absolute(c.z - a.z);
+  const LeafFloats rise =
+      (absolute(b.x - a.x) + absolute(b.y - a.y)) * ac_z + (absolute(c.x - a.x) + absolute(c.y - a.y)) * ab_z;
+  LeafFloats error = constants.error_of_mean + constants.error_of_shear * rise * absolute(inverse);
+  LeafFloats doubt = broadcast<leaf_group>(0.0f);
+#if !HWY_NATIVE_FMA
+  doubt = (u.high - u.low) + (v.high - v.low) + (w.high - w.low);
+  error = error + doubt * (ab_z + ac_z) * absolute(inverse * constants.inverse_dz);
+#endif
   const LeafFloats first = t - error, last = t + error;
   const LeafFloats t_min = broadcast<leaf_group>(constants.t_min), t_max = broadcast<leaf_group>(best.last);
   const std::uint32_t after_start = less_or_equal(t_min, first);
-  const LeafFloats zero = broadcast<leaf_group>(0.0f);
   const std::uint32_t trusted =
-      less(constants.min_value, min_edge) | less(max_edge, zero - constants.min_value);
+      less(constants.min_value, least(u.low, v.low, w.low)) |
+      less(greatest(u.high, v.high, w.high), broadcast<leaf_group>(0.0f) - constants.min_value);
   if constexpr (any_hit && !Filter::filters) {
     if ((candidates & trusted & after_start & less_or_equal(last, t_max)) != 0) {
       best.primitive = words[9 * count];
@@ -261,7 +215,7 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
   if (HWY_UNLIKELY((candidates & ~trusted) != 0)) {
     // The bounds hold where one weight is large enough: triangles around a vertex that the ray begins at are
     // out of range, although some of their weights are 0.
-    const std::uint32_t bounded = less(constants.min_value, maximum(max_edge, zero - min_edge));
+    const std::uint32_t bounded = less(constants.min_value, absolute(area) - doubt);
     const std::uint32_t open = candidates & ~trusted & (in_range | ~bounded);
     if (open != 0) {
       const Nearest other =
@@ -296,8 +250,6 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
   }
   return changed;
 }
-#endif
-
 template <bool any_hit, class Filter = NoFilter>
 HWY_INLINE bool intersect_leaf(const LeafConstants& constants, const WideBvh& bvh, ChildLink leaf,
                                const Ray& ray, Nearest& best, const Filter& filter = {}) {

@@ -266,9 +266,6 @@ struct LeafConstants {
 
   std::size_t axis[3];
   float t_min;
-#if !HWY_NATIVE_FMA
-  RayShear shear;
-#endif
 
   HWY_INLINE explicit LeafConstants(const WideRay& ray)
       : sx(broadcast<leaf_group>(ray.sx)),
@@ -282,15 +279,6 @@ struct LeafConstants {
       origin[i] = broadcast<leaf_group>(ray.origin[i]);
       axis[i] = ray.axis[i];
     }
-#if !HWY_NATIVE_FMA
-    shear.kx = static_cast<int>(ray.axis[0]);
-    shear.ky = static_cast<int>(ray.axis[1]);
-    shear.kz = static_cast<int>(ray.axis[2]);
-    shear.sx = ray.sx;
-    shear.sy = ray.sy;
-    shear.dz = ray.dz;
-    shear.inverse_dz = ray.inverse_dz;
-#endif
   }
 };
 
