@@ -166,6 +166,25 @@ Bvh build(const std::vector<Rows>& vertices, const std::vector<Rows>& faces,
   return Build(meshes, options).wait(progress);
 }
 
+nb::tuple measure(const std::vector<Rows>& vertices, const std::vector<Rows>& faces,
+                  const std::string& builder, float alpha, float max_reference_ratio, unsigned max_leaf_size,
+                  unsigned threads) {
+  const Meshes meshes(vertices, faces, std::vector<std::uint32_t>(vertices.size(), Mask{}.bits));
+  const BuildOptions options =
+      options_of(builder, alpha, max_reference_ratio, max_leaf_size, threads, false, 0);
+  struct Measures {
+    TreeCounts counts;
+    double sah, epo, lcv;
+  };
+  const Measures m = unlocked([&] {
+    const Tree tree = build_tree(meshes.floats, options);
+    return Measures{count_tree(tree), surface_area_cost(tree), end_point_overlap(tree),
+                    leaf_count_variability(tree)};
+  });
+  return nb::make_tuple(m.sah, m.epo, m.lcv, m.counts.references, m.counts.nodes, m.counts.leaves,
+                        m.counts.depth);
+}
+
 }  // namespace
 
 void add_build(nb::module_& module) {
@@ -173,6 +192,7 @@ void add_build(nb::module_& module) {
              nb::arg("builder"), nb::arg("alpha"), nb::arg("max_reference_ratio"), nb::arg("max_leaf_size"),
              nb::arg("threads"), nb::arg("skip_non_finite"), nb::arg("presplit_references"),
              nb::arg("progress").none());
+  module.def("measure", &measure);
   module.def(
       "build_memory_bound", [](std::size_t triangles, const std::string& builder, float max_reference_ratio) {
         return build_memory_bound(

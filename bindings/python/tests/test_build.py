@@ -85,6 +85,21 @@ def test_vertices_that_are_not_finite_are_refused_or_skipped():
         assert bvh.statistics.non_finite_triangles == np.isin(support.CUBE_FACES, 6).any(axis=1).sum()
 
 
+def test_measures_are_those_of_the_tree():
+    # One leaf: the cost is its number of triangles, and nothing overlaps.
+    leaf = kerf_bvh.measure(support.CUBE_VERTICES, support.CUBE_FACES[:1])
+    assert (leaf.sah, leaf.epo, leaf.references, leaf.nodes, leaf.leaves, leaf.depth) == (1, 0, 1, 1, 1, 0)
+    corners = many_triangles(3000)
+    split, plain = kerf_bvh.measure(corners), kerf_bvh.measure(corners.astype(float), builder="bvh")
+    assert plain.references == 3000 <= split.references and plain.nodes == 2 * plain.leaves - 1
+    assert split.sah > 0 and split.epo > 0 and split.lcv > 0
+    for dtype in (np.int32, np.int64, np.uint64):
+        again = kerf_bvh.measure(support.CUBE_VERTICES.astype(float), support.CUBE_FACES[:1].astype(dtype))
+        assert again == leaf
+    with pytest.raises(ValueError, match="there is no builder best"):
+        kerf_bvh.measure(corners, builder="best")
+
+
 def test_a_memory_bound_is_told_and_kept():
     bvh = kerf_bvh.Bvh(many_triangles(5000))
     assert 0 < bvh.statistics.build_peak_bytes <= kerf_bvh.build_memory_bound(5000)

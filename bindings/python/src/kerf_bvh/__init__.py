@@ -4,13 +4,14 @@
     hits = bvh.intersect(origins, directions)
 """
 
-from ._bvh import ALL, BuildOptions, Bvh, build_memory_bound
+from ._bvh import ALL, BuildOptions, Bvh, build_memory_bound, measure
 from ._kerf import Cancelled
 from ._results import (
     INVALID,
     Geometry,
     Hits,
     Lists,
+    Measures,
     MeshStatistics,
     Primitives,
     Side,
@@ -30,6 +31,7 @@ __all__ = [
     "Geometry",
     "Hits",
     "Lists",
+    "Measures",
     "MeshStatistics",
     "Primitives",
     "Side",
@@ -37,4 +39,5 @@ __all__ = [
     "SurfacePoints",
     "TouchingPairs",
     "build_memory_bound",
+    "measure",
 ]

@@ -35,6 +35,7 @@ from ._results import (
     Geometry,
     Hits,
     Lists,
+    Measures,
     MeshStatistics,
     Primitives,
     Statistics,
@@ -610,3 +611,29 @@ def build_memory_bound(triangles: int, *, builder: str = "sbvh", max_reference_r
     if triangles < 0:
         raise ValueError(f"triangles: {triangles}, where a number from 0 is needed")
     return _kerf.build_memory_bound(triangles, builder, max_reference_ratio)
+
+
+def measure(
+    vertices: ArrayLike,
+    faces: ArrayLike | None = None,
+    *,
+    builder: str = "sbvh",
+    alpha: float = 1e-5,
+    max_reference_ratio: float = 1.5,
+    max_leaf_size: int = 8,
+    threads: int = 0,
+) -> Measures:
+    """Builds the binary tree of a mesh and measures it. Parameters as those of `Bvh`; float64 is rounded to float32.
+
+    Raises as `Bvh` does.
+    """
+    corners = vertices_of(vertices, "vertices")
+    numbers = faces_of(faces, "faces", corners, np.ndim(vertices) == 3)
+    if not 0 <= max_leaf_size < 1 << 31:
+        raise ValueError(f"max_leaf_size: {max_leaf_size} is out of range")
+    narrow = numbers if numbers.dtype.itemsize == 4 else faces_of(numbers, "faces", rounded(corners), False)
+    return Measures(
+        *_kerf.measure(
+            [rounded(corners)], [narrow], builder, alpha, max_reference_ratio, max_leaf_size, _check_threads(threads)
+        )
+    )

@@ -36,6 +36,15 @@ def build(
     presplit_references: int,
     progress: Callable[[float], object] | None,
 ) -> Bvh: ...
+def measure(
+    vertices: Sequence[npt.NDArray[Any]],
+    faces: Sequence[npt.NDArray[Any]],
+    builder: str,
+    alpha: float,
+    max_reference_ratio: float,
+    max_leaf_size: int,
+    threads: int,
+) -> tuple[float, float, float, int, int, int, int]: ...
 def build_memory_bound(triangles: int, builder: str, max_reference_ratio: float) -> int: ...
 def intersect(
     bvh: Bvh,

@@ -196,6 +196,26 @@ class MeshStatistics:
     """float64 (2, 3): the smallest and the largest coordinates of the triangles in leaves."""
 
 
+@dataclass(frozen=True)
+class Measures:
+    """How good a tree is, and what it holds (docs/algorithms.md)."""
+
+    sah: float
+    """Surface area heuristic: the cost of a random line through the root."""
+    epo: float
+    """End-point overlap: the cost, over a random point of the surface, of nodes that hold it without need."""
+    lcv: float
+    """Leaf count variability: the standard deviation of the number of leaves that a random line meets."""
+    references: int
+    """Triangles in leaves, each counted once per leaf."""
+    nodes: int
+    """Inner nodes and leaves."""
+    leaves: int
+    """Leaves alone."""
+    depth: int
+    """Of the leaf farthest from the root; 0 where the root is a leaf."""
+
+
 def hits_of(records: npt.NDArray[Any]) -> Hits:
     return Hits(*(records[name] for name in ("t", "u", "v", "primitive", "mesh")))
 
