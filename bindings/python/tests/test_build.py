@@ -127,9 +127,13 @@ def test_progress_cancels_a_build_and_its_exceptions_pass():
 def interrupted(work):
     """Runs `work`, which Ctrl-C ends a moment after it has begun."""
     main = threading.main_thread().ident
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
     threading.Timer(0.1, signal.pthread_kill, [main, signal.SIGINT]).start()
-    with pytest.raises(KeyboardInterrupt):
-        work()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            work()
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_ctrl_c_ends_a_build():
