@@ -20,6 +20,8 @@ if(KERF_TEST_PACKAGE)
     kerf_test_package(Package.StaticLibraryIsFoundAndUsed -DBINARY_DIR=${PROJECT_BINARY_DIR})
   endif()
   kerf_test_package(Package.SharedLibraryIsFoundAndUsed)
+  kerf_test_package(Package.LibraryWithoutOneTbbIsFoundAndUsed "-DOPTIONS=-DKERF_THREADS=std;-DBUILD_SHARED_LIBS=OFF")
+  kerf_test_package(Package.LibraryWithoutThreadsIsFoundAndUsed -DOPTIONS=-DKERF_THREADS=serial)
 endif()
 
 # What someone meets who sets kerf up for the first time.

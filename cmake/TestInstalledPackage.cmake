@@ -1,5 +1,5 @@
 # Installs the library, and builds and runs examples/minimal against what was installed. The library is that of the
-# build in BINARY_DIR, or if that is not given one that is built here, alone and shared.
+# build in BINARY_DIR, or if that is not given one that is built here, alone, shared and with OPTIONS.
 # Run with -P; KerfProjectTests.cmake sets the variables.
 
 function(run)
@@ -18,7 +18,7 @@ if(NOT BINARY_DIR)
   set(BINARY_DIR ${WORK_DIR}/library)
   run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${BINARY_DIR} ${common} -DBUILD_SHARED_LIBS=ON
       -DKERF_BUILD_TOOL=OFF -DKERF_BUILD_TESTS=OFF -DKERF_BUILD_BENCHMARKS=OFF -DKERF_BUILD_EXAMPLES=OFF
-      -DKERF_BINDINGS_C=ON)
+      -DKERF_BINDINGS_C=ON ${OPTIONS})
   run(${CMAKE_COMMAND} --build ${BINARY_DIR})
 endif()
 run(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${prefix} --component library)

@@ -1,135 +1,132 @@
-// Loops over threads. They run on oneTBB, whose threads have the floating-point modes of the thread that used
-// it first; tasks here have the default modes.
+// Loops over threads. KERF_THREADS, an option of CMake, says whose these are:
 //
-// ThreadSanitizer sees synchronisation only in code that was compiled with it, and the packaged oneTBB was
-// not: every task would seem to race with its parent. In ThreadSanitizer's builds the same tasks run on
-// threads of the standard library, which it understands, so that each report is a race between tasks.
+//     tbb      oneTBB's, shared with whoever else uses it in the program
+//     std      those of the standard library, begun for each call that has work for several
+//     (KERF_STANDARD_THREADS) serial   the caller's alone (KERF_SERIAL)
+//
+// oneTBB's threads have the floating-point modes of the thread that used it first; tasks here have the
+// default modes. ThreadSanitizer sees synchronisation only in code that was compiled with it, and the
+// packaged oneTBB was not: every task would seem to race with its parent. So it needs `std`.
 #pragma once
 
 #include <algorithm>
-
-#include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
+#include <cstddef>
 
 #include "base/fp_environment.hpp"
 
-#if defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define KERF_STANDARD_THREADS
-#endif
-#endif
-#if defined(__SANITIZE_THREAD__)
-#define KERF_STANDARD_THREADS
-#endif
-
-#ifdef KERF_STANDARD_THREADS
-#include <atomic>
-#include <exception>
-#include <mutex>
+#if defined(KERF_STANDARD_THREADS)
 #include <thread>
-#include <vector>
-#else
+
+#include "base/team.hpp"
+#elif !defined(KERF_SERIAL)
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
+#include <tbb/task_arena.h>
 #endif
 
 namespace kerf {
 
+/// `begin() .. end() - 1`.
+template <class Index>
+class IndexRange {
+ public:
+  IndexRange(Index begin, Index end) : begin_(begin), end_(end) {}
+  Index begin() const { return begin_; }
+  Index end() const { return end_; }
+  std::size_t size() const { return static_cast<std::size_t>(end_ - begin_); }
+
+ private:
+  Index begin_, end_;
+};
+
 /// The number of threads that work where `wanted` are asked for; 0 asks for all. oneTBB never has more than
 /// its `max_allowed_parallelism`, and prints a warning if more are asked for.
 inline int usable_threads(unsigned wanted) {
+#if defined(KERF_SERIAL)
+  (void)wanted;
+  return 1;
+#else
+#if defined(KERF_STANDARD_THREADS)
+  const unsigned available = std::max(1u, std::thread::hardware_concurrency());
+#else
   const auto available =
       static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+#endif
   return static_cast<int>(wanted == 0 ? available : std::min(wanted, available));
+#endif
 }
 
 /// True while the work of this thread is to run on this thread only.
+#if defined(KERF_SERIAL)
+inline constexpr bool one_thread_only = true;
+#else
 inline thread_local bool one_thread_only = false;
+#endif
 
 /// Calls `work` and returns what it returns. Loops in it stay on this thread and never enter the scheduler.
 template <class Work>
 auto on_this_thread(const Work& work) {
+#if !defined(KERF_SERIAL)
   struct Restore {
     bool before = one_thread_only;
     ~Restore() { one_thread_only = before; }
   } restore;
   one_thread_only = true;
+#endif
   return work();
 }
 
-#ifdef KERF_STANDARD_THREADS
+/// What loops run on: never entered where `one_thread_only` holds.
+namespace scheduler {
 
-/// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`.
+#if defined(KERF_SERIAL)
+
+template <class First, class Second>
+void invoke(const First&, const Second&) {}
 template <class Index, class Body>
-void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& body) {
-  std::atomic<std::size_t> next = 0;
-  std::exception_ptr error;
-  std::mutex error_mutex;
-  const auto size = static_cast<std::size_t>(end - begin);
-  const auto work = [&] {
-    const PlainFloatingPoint plain;
-    try {
-      for (std::size_t at = next.fetch_add(grain); at < size; at = next.fetch_add(grain)) {
-        body(tbb::blocked_range<Index>(static_cast<Index>(begin + at),
-                                       static_cast<Index>(begin + std::min(at + grain, size))));
-      }
-    } catch (...) {
-      const std::lock_guard lock(error_mutex);
-      error = std::current_exception();
-    }
-  };
-  if (one_thread_only) {
-    work();
-  } else {
-    std::thread other(work);  // neither call of `work` throws
-    work();
-    other.join();
-  }
-  if (error) std::rethrow_exception(error);
+void loop(Index, Index, std::size_t, const Body&) {}
+
+#elif defined(KERF_STANDARD_THREADS)
+
+// In the team of this thread, or in one for this call alone.
+template <class Work>
+auto in_team(const Work& work) {
+  if (Team* const team = Team::current()) return work(*team);
+  Team team(usable_threads(0));
+  return team.lead([&] { return work(team); });
 }
-
-/// Calls `body(i)` for every i of `0 .. count - 1`.
+template <class First, class Second>
+void invoke(const First& first, const Second& second) {
+  in_team([&](Team& team) { team.invoke(first, second); });
+}
 template <class Index, class Body>
-void parallel_for(Index count, const Body& body) {
-  parallel_for_ranges(Index{0}, count, 1, [&](const auto& range) {
-    for (Index i = range.begin(); i != range.end(); ++i) body(i);
+void loop(Index begin, Index end, std::size_t grain, const Body& body) {
+  in_team([&](Team& team) {
+    team.loop(static_cast<std::size_t>(end - begin), grain, [&](std::size_t from, std::size_t to) {
+      body(IndexRange<Index>(static_cast<Index>(begin + from), static_cast<Index>(begin + to)));
+    });
   });
 }
 
-/// The sum of `body(range)` over ranges of `0 .. count - 1`, which are divided and added up in the same way
-/// on any number of threads.
-template <class Sum, class Index, class Body>
-Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
-  std::vector<Sum> sums((static_cast<std::size_t>(count) + grain - 1) / grain);
-  parallel_for_ranges(Index{0}, count, grain,
-                      [&](const auto& range) { sums[range.begin() / grain] = body(range); });
-  Sum sum{};
-  for (const Sum& other : sums) sum = sum + other;
-  return sum;
-}
-
-/// Calls both, possibly at the same time.
-template <class First, class Second>
-void parallel_invoke(const First& first, const Second& second) {
-  parallel_for(2, [&](int i) { i == 0 ? first() : second(); });
-}
-
-/// Calls `work` and returns what it returns.
-template <class Work>
-auto isolated(const Work& work) {
-  return work();
-}
-
-/// Calls `work` on `wanted` threads, 0 for all, and returns what it returns.
-template <class Work>
-auto on_threads(unsigned wanted, const Work& work) {
-  if (usable_threads(wanted) == 1) return on_this_thread(work);
-  return work();
-}
-
 #else
+
+template <class First, class Second>
+void invoke(const First& first, const Second& second) {
+  tbb::parallel_invoke(first, second);
+}
+template <class Index, class Body>
+void loop(Index begin, Index end, std::size_t grain, const Body& body) {
+  tbb::parallel_for(
+      tbb::blocked_range<Index>(begin, end, grain),
+      [&](const tbb::blocked_range<Index>& range) { body(IndexRange<Index>(range.begin(), range.end())); });
+}
+
+#endif
+
+}  // namespace scheduler
 
 /// Calls `body` with ranges (`begin()`, `end()`) that together make up `begin .. end - 1`, of about `grain`.
 template <class Index, class Body>
@@ -138,71 +135,62 @@ void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& 
     const PlainFloatingPoint plain;
     for (Index at = begin; at < end;) {
       const Index next = static_cast<std::size_t>(end - at) > grain ? static_cast<Index>(at + grain) : end;
-      body(tbb::blocked_range<Index>(at, next));
+      body(IndexRange<Index>(at, next));
       at = next;
     }
     return;
   }
-  tbb::parallel_for(tbb::blocked_range<Index>(begin, end, grain),
-                    [&](const tbb::blocked_range<Index>& range) {
-                      const PlainFloatingPoint plain;
-                      body(range);
-                    });
+  scheduler::loop(begin, end, grain, [&](const IndexRange<Index>& range) {
+    const PlainFloatingPoint plain;
+    body(range);
+  });
 }
 
 /// Calls `body(i)` for every i of `0 .. count - 1`.
 template <class Index, class Body>
 void parallel_for(Index count, const Body& body) {
-  if (one_thread_only || count <= 1) {
+  const auto each = [&](const IndexRange<Index>& range) {
     const PlainFloatingPoint plain;
-    for (Index i = 0; i < count; ++i) body(i);
-    return;
-  }
-  tbb::parallel_for(Index{0}, count, [&](Index i) {
-    const PlainFloatingPoint plain;
-    body(i);
-  });
-}
-
-/// As `tbb::parallel_deterministic_reduce` divides a range and adds up, on this thread.
-template <class Range, class Sum, class Body>
-Sum sum_in_halves(Range left, const Sum& zero, const Body& body) {
-  if (!left.is_divisible()) return body(left, zero);
-  const Range right(left, tbb::split());  // takes the upper half of `left`
-  const Sum lower = sum_in_halves(left, zero, body);
-  return lower + sum_in_halves(right, zero, body);
-}
-
-/// The sum of `body(range)` over ranges of `0 .. count - 1`, which are divided and added up in the same way
-/// on any number of threads.
-template <class Sum, class Index, class Body>
-Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
-  const auto of_range = [&](const tbb::blocked_range<Index>& range, const Sum& sum) {
-    const PlainFloatingPoint plain;
-    return sum + body(range);
+    for (Index i = range.begin(); i < range.end(); ++i) body(i);
   };
-  const tbb::blocked_range<Index> all(0, count, grain);
-  if (one_thread_only) return sum_in_halves(all, Sum{}, of_range);
-  return tbb::parallel_deterministic_reduce(all, Sum{}, of_range,
-                                            [](const Sum& a, const Sum& b) { return a + b; });
+  if (one_thread_only || count <= 1) return each(IndexRange<Index>(0, count));
+  scheduler::loop(Index{0}, count, 1, each);
 }
 
 /// Calls both, possibly at the same time.
 template <class First, class Second>
 void parallel_invoke(const First& first, const Second& second) {
-  if (one_thread_only) {
-    const PlainFloatingPoint plain;
-    first();
-    second();
-    return;
-  }
   const auto plainly = [](const auto& call) {
     return [&call] {
       const PlainFloatingPoint plain;
       call();
     };
   };
-  tbb::parallel_invoke(plainly(first), plainly(second));
+  if (one_thread_only) {
+    plainly(first)();
+    plainly(second)();
+    return;
+  }
+  scheduler::invoke(plainly(first), plainly(second));
+}
+
+/// The sum of `body(range)` over ranges of `0 .. count - 1`. These are halves of halves until no more than
+/// `grain` is left, and are added up as they were halved: on any number of threads, to the last bit.
+template <class Sum, class Index, class Body>
+Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
+  struct Halves {
+    const std::size_t grain;
+    const Body& body;
+    Sum operator()(Index begin, Index end) const {
+      if (static_cast<std::size_t>(end - begin) <= grain) return body(IndexRange<Index>(begin, end));
+      const auto middle = static_cast<Index>(begin + (end - begin) / 2);
+      Sum left{}, right{};
+      parallel_invoke([&] { left = (*this)(begin, middle); }, [&] { right = (*this)(middle, end); });
+      return left + right;
+    }
+  };
+  const PlainFloatingPoint plain;
+  return Halves{grain, body}(0, count);
 }
 
 /// Calls `work` on the threads of the caller's arena, and returns what it returns. While `work` waits for its
@@ -210,8 +198,16 @@ void parallel_invoke(const First& first, const Second& second) {
 /// called, on the same thread, with the same thread-local data and locks.
 template <class Work>
 auto isolated(const Work& work) {
+#if defined(KERF_SERIAL)
+  return work();
+#elif defined(KERF_STANDARD_THREADS)
+  if (one_thread_only || Team::current() != nullptr) return work();
+  Team team(usable_threads(0));
+  return team.lead(work);
+#else
   if (one_thread_only) return work();
   return tbb::this_task_arena::isolate(work);
+#endif
 }
 
 /// Calls `work` on `wanted` threads and returns what it returns; 0 stands for the threads of the caller's
@@ -222,11 +218,16 @@ auto on_threads(unsigned wanted, const Work& work) {
   if (wanted == 0 || one_thread_only) return isolated(work);
   const int threads = usable_threads(wanted);
   if (threads == 1) return on_this_thread(work);
+#if defined(KERF_SERIAL)
+  return work();
+#elif defined(KERF_STANDARD_THREADS)
+  Team team(threads);
+  return team.lead(work);
+#else
   if (tbb::this_task_arena::max_concurrency() == threads) return isolated(work);
   tbb::task_arena arena(threads);
   return arena.execute(work);
-}
-
 #endif
+}
 
 }  // namespace kerf
