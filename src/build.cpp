@@ -59,6 +59,7 @@ std::shared_ptr<Structure> lay_out_tree(const Geometry& geometry, const BinaryTr
   auto structure = make_structure(std::move(laid_out.wide), {first_triangles.begin(), first_triangles.end()},
                                   tree.degenerate_triangles);
   structure->statistics.non_finite_triangles = tree.non_finite_triangles;
+  structure->writable = true;
   structure->masks = masks_of(geometry.meshes());
   structure->statistics.build_peak_bytes =
       std::max(tree.build_peak_bytes, tree.bytes() + laid_out.peak_bytes);

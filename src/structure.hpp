@@ -10,6 +10,7 @@
 
 #include <kerf/bvh.hpp>
 
+#include "layout/refit.hpp"
 #include "layout/wide_bvh.hpp"
 
 namespace kerf {
@@ -32,7 +33,7 @@ class TriangleLeaves {
   mutable std::vector<ChildLink> leaves_;
 };
 
-/// Nothing in it changes once it is shared.
+/// Nothing in it changes while it is shared: a refit writes where there is no other handle.
 struct Structure {
   WideBvh wide;
   std::vector<std::uint32_t> first_triangles;  ///< of each mesh, see `Layout`
@@ -41,8 +42,12 @@ struct Structure {
   Vec3d origin;                      ///< of the local frame
   const Kernels* kernels = nullptr;  ///< what traces `wide`; null for a hierarchy of nothing
   TriangleLeaves triangle_leaves;
+  bool writable = false;  ///< nodes and leaves are two arrays in memory of this process alone
+  std::shared_ptr<const RefitBasis> refit_basis;  ///< made by the first refit
+  std::vector<StandIn> stand_ins;                 ///< in leaves since the last one
 
   static const Structure& of(const Bvh& bvh) { return *bvh.structure_; }
+  static std::shared_ptr<const Structure>& pointer_of(Bvh& bvh) { return bvh.structure_; }
   static Bvh share(std::shared_ptr<const Structure> structure) { return Bvh(std::move(structure)); }
 };
 

@@ -11,6 +11,7 @@
 #include <kerf/error.hpp>
 #include <kerf/mesh.hpp>
 #include <kerf/ray.hpp>
+#include <kerf/refit.hpp>
 #include <kerf/vec.hpp>
 #include <kerf/version.hpp>
 #endif

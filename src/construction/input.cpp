@@ -10,29 +10,6 @@
 namespace kerf {
 namespace {
 
-// Throws for triangle `id` of `geometry`, in which something is wrong.
-[[noreturn]] void explain(const Geometry& geometry, std::uint32_t id) {
-  const auto [i, m] = geometry.locate(id);
-  const TriangleMesh& mesh = geometry.meshes()[m];
-  for (const std::uint32_t index : mesh.triangles[i].values) {
-    if (index >= mesh.vertices.size()) {
-      raise(Error::index_out_of_range, "triangle %u of mesh %u names vertex %u, but there are only %zu", i, m,
-            index, mesh.vertices.size());
-    }
-    const auto [x, y, z] = mesh.vertices[index].values;
-    if (!is_finite({x, y, z})) {
-      raise(Error::non_finite_vertex, "vertex %u of mesh %u, used by triangle %u, is (%g, %g, %g)", index, m,
-            i, double{x}, double{y}, double{z});
-    }
-    if (std::max({std::abs(x), std::abs(y), std::abs(z)}) >= coordinate_limit) {
-      raise(Error::non_finite_vertex,
-            "vertex %u of mesh %u, used by triangle %u, is (%g, %g, %g), but coordinates must be below %g",
-            index, m, i, double{x}, double{y}, double{z}, double{coordinate_limit});
-    }
-  }
-  raise(Error::invalid_argument, "triangle %u of mesh %u cannot be read", i, m);
-}
-
 // What one task reads. Its references are written from place `row.first_id` on.
 struct Block {
   TriangleRow row;
@@ -58,6 +35,27 @@ std::vector<Block> blocks_of(const Geometry& geometry) {
 
 }  // namespace
 
+void check_triangle(const Geometry& geometry, std::uint32_t id) {
+  const auto [i, m] = geometry.locate(id);
+  const TriangleMesh& mesh = geometry.meshes()[m];
+  for (const std::uint32_t index : mesh.triangles[i].values) {
+    if (index >= mesh.vertices.size()) {
+      raise(Error::index_out_of_range, "triangle %u of mesh %u names vertex %u, but there are only %zu", i, m,
+            index, mesh.vertices.size());
+    }
+    const auto [x, y, z] = mesh.vertices[index].values;
+    if (!is_finite({x, y, z})) {
+      raise(Error::non_finite_vertex, "vertex %u of mesh %u, used by triangle %u, is (%g, %g, %g)", index, m,
+            i, double{x}, double{y}, double{z});
+    }
+    if (std::max({std::abs(x), std::abs(y), std::abs(z)}) >= coordinate_limit) {
+      raise(Error::non_finite_vertex,
+            "vertex %u of mesh %u, used by triangle %u, is (%g, %g, %g), but coordinates must be below %g",
+            index, m, i, double{x}, double{y}, double{z}, double{coordinate_limit});
+    }
+  }
+}
+
 ReferenceSummary write_references(const Geometry& geometry, NonFinite non_finite, Reference* references) {
   std::vector<Block> blocks = blocks_of(geometry);
   const Target target = choose_target();
@@ -67,7 +65,7 @@ ReferenceSummary write_references(const Geometry& geometry, NonFinite non_finite
   });
   ReferenceSummary summary;
   for (const auto& [row, read] : blocks) {
-    if (read.wrong != ReadTriangles::nothing_wrong) explain(geometry, read.wrong);
+    if (read.wrong != ReadTriangles::nothing_wrong) check_triangle(geometry, read.wrong);  // throws
     if (summary.count != row.first_id) {  // earlier blocks left triangles out
       std::copy_n(references + row.first_id, read.count, references + summary.count);
     }

@@ -12,6 +12,10 @@
 
 namespace kerf {
 
+/// Throws `Error::index_out_of_range` or `Error::non_finite_vertex` if triangle `id` has an index that names
+/// no vertex, or a coordinate that is not below `coordinate_limit`.
+void check_triangle(const Geometry& geometry, std::uint32_t id);
+
 struct ReferenceSummary {
   std::uint32_t count = 0;
   std::size_t degenerate_triangles = 0, non_finite_triangles = 0;

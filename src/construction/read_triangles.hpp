@@ -5,6 +5,7 @@
 
 #include <kerf/build.hpp>
 
+#include "math/coordinate_limit.hpp"
 #include "simd/dispatch.hpp"
 #include "tree/geometry.hpp"
 #include "tree/reference.hpp"
@@ -15,9 +16,6 @@ namespace kerf {
 struct TriangleRow {
   std::uint32_t mesh, begin, end, first_id;
 };
-
-/// Below a quarter of the range of floats, sums and differences of two coordinates stay finite.
-inline constexpr float coordinate_limit = 0x1p126f;
 
 struct ReadTriangles {
   static constexpr std::uint32_t nothing_wrong = 0xffffffffu;

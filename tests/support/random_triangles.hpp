@@ -37,4 +37,13 @@ inline Mesh random_triangles(std::uint32_t count, float length, float width, std
   return mesh;
 }
 
+/// Large triangles across the axes among many small ones: spatial splits divide the large ones.
+inline Mesh large_among_small(std::uint32_t count) {
+  Mesh mesh = random_triangles(count, 0.02f, 0.02f);
+  const Mesh large = random_triangles(count, 0.7f, 0.7f, 2);
+  for (std::uint32_t i = 0; i < 3 * count; ++i)
+    if (i / 3 % 8 == 0) mesh.vertices[i] = large.vertices[i];
+  return mesh;
+}
+
 }  // namespace kerf_tests
