@@ -100,8 +100,10 @@ std::shared_ptr<Structure> read_image(std::span<const std::byte> image, std::sha
   auto structure = make_structure(std::move(wide), std::move(first_triangles),
                                   static_cast<std::size_t>(header.degenerate_triangles));
   structure->origin = annex.origin;
-  structure->masks.resize(masks.size() / sizeof(std::uint32_t));
-  std::memcpy(structure->masks.data(), masks.data(), masks.size());
+  if (!masks.empty()) {
+    structure->masks.resize(masks.size() / sizeof(std::uint32_t));
+    std::memcpy(structure->masks.data(), masks.data(), masks.size());
+  }
   structure->statistics.non_finite_triangles = static_cast<std::size_t>(annex.non_finite_triangles);
   structure->statistics.degenerate_by_rounding = static_cast<std::size_t>(annex.degenerate_by_rounding);
   return structure;
