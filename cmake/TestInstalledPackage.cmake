@@ -16,9 +16,10 @@ set(common -G ${GENERATOR} -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER
 
 if(NOT BINARY_DIR)
   set(BINARY_DIR ${WORK_DIR}/library)
+  separate_arguments(options UNIX_COMMAND "${OPTIONS}")
   run(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${BINARY_DIR} ${common} -DBUILD_SHARED_LIBS=ON
       -DKERF_BUILD_TOOL=OFF -DKERF_BUILD_TESTS=OFF -DKERF_BUILD_BENCHMARKS=OFF -DKERF_BUILD_EXAMPLES=OFF
-      -DKERF_BINDINGS_C=ON ${OPTIONS})
+      -DKERF_BINDINGS_C=ON ${options})
   run(${CMAKE_COMMAND} --build ${BINARY_DIR})
 endif()
 run(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${prefix} --component library)

@@ -1,4 +1,4 @@
-// Which kerf this is.
+// Which kerf this is. Macros alone, for C as well.
 #pragma once
 
 #define KERF_VERSION_MAJOR 0  ///< changes when the interface breaks, from 1 on

@@ -1,8 +1,8 @@
 // Loops over threads. KERF_THREADS, an option of CMake, says whose these are:
 //
 //     tbb      oneTBB's, shared with whoever else uses it in the program
-//     std      those of the standard library, begun for each call that has work for several
-//     (KERF_STANDARD_THREADS) serial   the caller's alone (KERF_SERIAL)
+//     std      the standard library's, begun for each call that has work for several; KERF_STANDARD_THREADS
+//     serial   the caller's alone; KERF_SERIAL
 //
 // oneTBB's threads have the floating-point modes of the thread that used it first; tasks here have the
 // default modes. ThreadSanitizer sees synchronisation only in code that was compiled with it, and the
@@ -23,7 +23,6 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
-#include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
 #endif
 

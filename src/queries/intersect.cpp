@@ -34,26 +34,27 @@ void Bvh::intersect(const RayView& rays, const HitView& hits, const BatchOptions
   if (rays.mask.data != nullptr) return intersect_filtered(rays, hits, options, nullptr, nullptr);
   require_as_many(rays.count, hits.count, "as many hits as rays are needed");
   const Structure& structure = *structure_;
-  Hit* const array = as_array(hits);
-  for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {
-    Hit copies[rays_per_batch];
-    Hit* const batch = array != nullptr ? array + begin : copies;
+  const auto trace = [&](std::size_t begin, std::size_t count, Hit* batch) {
     if (structure.wide.empty()) {
       std::fill_n(batch, count, Hit{});
-    } else {
-      with_rays(rays, begin, count, [&](const Ray* from) {
-        structure.kernels->closest_many(structure.wide, from, count, batch);
-      });
-      for (Hit& hit : std::span(batch, count)) {
-        if (hit) {
-          name_triangle(structure, hit);
-        } else {
-          hit = {};
-        }
+      return;
+    }
+    with_rays(rays, begin, count,
+              [&](const Ray* from) { structure.kernels->closest_many(structure.wide, from, count, batch); });
+    for (Hit& hit : std::span(batch, count)) {
+      if (hit) {
+        name_triangle(structure, hit);
+      } else {
+        hit = {};
       }
     }
-    if (array != nullptr) return;
-    for (std::size_t i = 0; i < count; ++i) write_hit(hits, begin + i, batch[i]);
+  };
+  Hit* const array = as_array(hits);
+  for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {
+    if (array != nullptr) return trace(begin, count, array + begin);
+    Hit copies[rays_per_batch];  // only here: to fill them takes longer than to trace a ray
+    trace(begin, count, copies);
+    for (std::size_t i = 0; i < count; ++i) write_hit(hits, begin + i, copies[i]);
   });
 }
 

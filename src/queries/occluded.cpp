@@ -20,17 +20,19 @@ void Bvh::occluded(const RayView& rays, const FlagView& occluded, const BatchOpt
   if (rays.mask.data != nullptr) return occluded_filtered(rays, occluded, options, nullptr, nullptr);
   require_as_many(rays.count, occluded.size(), "as many results as rays are needed");
   const Structure& structure = *structure_;
-  for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {
-    std::uint8_t copies[rays_per_batch] = {};
-    std::uint8_t* const batch = occluded.stride() == 1 ? occluded.data() + begin : copies;
+  const auto trace = [&](std::size_t begin, std::size_t count, std::uint8_t* batch) {
     if (structure.wide.empty()) {
       std::fill_n(batch, count, std::uint8_t{0});
     } else {
       with_rays(rays, begin, count,
                 [&](const Ray* from) { structure.kernels->any_many(structure.wide, from, count, batch); });
     }
-    if (batch != copies) return;
-    for (std::size_t i = 0; i < count; ++i) occluded.set(begin + i, batch[i] != 0);
+  };
+  for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {
+    if (occluded.stride() == 1) return trace(begin, count, occluded.data() + begin);
+    std::uint8_t copies[rays_per_batch];
+    trace(begin, count, copies);
+    for (std::size_t i = 0; i < count; ++i) occluded.set(begin + i, copies[i] != 0);
   });
 }
 

@@ -28,6 +28,10 @@ Motion checked(const Transform& transform, const Box3f& bounds) {
   return motion;
 }
 
+BoxPair roots(const WideBvh& first, const WideBvh& second, const Motion& motion) {
+  return {ChildLink::node(0), ChildLink::node(0), first.bounds, motion(second.bounds)};
+}
+
 // Calls `visit(first, second)` for pairs of triangles below `start`, by number, perhaps more than once, until
 // it returns false.
 template <class Visit>
@@ -46,10 +50,9 @@ bool Bvh::touches(const Bvh& other, const Transform& transform) const {
   const WideBvh &first = structure_->wide, &second = other.structure_->wide;
   if (first.empty() || second.empty()) return false;
   return report_out_of_memory([&] {
-    const Kernels& kernels = *structure_->kernels;
     const Motion motion = checked(transform, second.bounds);
     bool found = false;
-    visit_pairs(first, second, kernels, motion, kernels.open_pairs(first, second, motion, 1).front(),
+    visit_pairs(first, second, *structure_->kernels, motion, roots(first, second, motion),
                 [&](std::uint32_t, std::uint32_t) {
                   found = true;
                   return false;
@@ -68,7 +71,8 @@ std::vector<TouchingPair> Bvh::touching_pairs(const Bvh& other, const Transform&
     const Motion motion = checked(transform, second.bounds);
     // Enough that threads which are done early find more to do.
     constexpr std::size_t wanted_parts = 512;
-    const std::vector<BoxPair> starts = kernels.open_pairs(first, second, motion, wanted_parts);
+    const std::vector<BoxPair> starts =
+        kernels.open_pairs(first, second, motion, roots(first, second, motion), wanted_parts);
     std::vector<std::vector<std::uint64_t>> parts(starts.size());
     for_each_batch(starts.size(), 1, options, [&](std::size_t part, std::size_t) {
       visit_pairs(first, second, kernels, motion, starts[part], [&](std::uint32_t a, std::uint32_t b) {

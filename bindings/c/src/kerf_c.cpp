@@ -288,7 +288,7 @@ const char* kerf_last_error(void) {
   return last_error;
 }
 uint32_t kerf_version(void) {
-  return KERF_C_VERSION_MAJOR * 10000 + KERF_C_VERSION_MINOR * 100 + KERF_C_VERSION_PATCH;
+  return KERF_VERSION_NUMBER;
 }
 
 kerf_status kerf_build(const kerf_mesh* meshes, size_t mesh_count, const kerf_build_options* options,

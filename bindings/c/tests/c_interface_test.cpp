@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <kerf/kerf.h>
 #include <kerf/kerf.hpp>
+#include <kerf/kerf11.hpp>
 
 namespace {
 
@@ -36,14 +37,7 @@ struct Scene {
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
-  kerf_mesh mesh() const {
-    kerf_mesh view = KERF_MESH_INIT;
-    view.vertices = vertices.data();
-    view.vertex_count = vertices.size() / 3;
-    view.triangles = triangles.data();
-    view.triangle_count = triangles.size() / 3;
-    return view;
-  }
+  kerf_mesh mesh() const { return kerf11::mesh(vertices, triangles); }
   void build() {
     const kerf_mesh view = mesh();
     ASSERT_EQ(kerf_build(&view, 1, nullptr, &c), KERF_OK) << kerf_last_error();

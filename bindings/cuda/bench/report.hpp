@@ -6,9 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include <cuda_runtime_api.h>
-
-#include "../src/device_array.hpp"
+#include "../src/stopwatch.hpp"
 
 namespace kerf::cuda {
 
@@ -26,33 +24,6 @@ void say(const char* format, Values... values) {
   std::printf("\n");
   std::fflush(stdout);
 }
-
-/// Times what runs on the default stream of the device.
-class Stopwatch {
- public:
-  Stopwatch() {
-    check(cudaEventCreate(&begin_), "making an event");
-    check(cudaEventCreate(&end_), "making an event");
-  }
-  Stopwatch(const Stopwatch&) = delete;
-  ~Stopwatch() {
-    cudaEventDestroy(begin_);
-    cudaEventDestroy(end_);
-  }
-  template <class Launch>
-  double milliseconds(Launch&& launch) {
-    check(cudaEventRecord(begin_, nullptr), "recording an event");
-    launch();
-    check(cudaEventRecord(end_, nullptr), "recording an event");
-    check(cudaEventSynchronize(end_), "running a kernel");
-    float ms = 0;
-    check(cudaEventElapsedTime(&ms, begin_, end_), "reading a time");
-    return static_cast<double>(ms);
-  }
-
- private:
-  cudaEvent_t begin_, end_;
-};
 
 /// `work(i)` for each i below `count`, on all processors.
 template <class Work>

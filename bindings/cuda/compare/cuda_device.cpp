@@ -8,6 +8,7 @@
 
 #include "../src/content.hpp"
 #include "../src/launch.hpp"
+#include "../src/stopwatch.hpp"
 #include "wide_kernels.hpp"
 
 namespace kerf::cuda {
@@ -24,34 +25,6 @@ struct DeviceRays {
   bool any_hit = false;
 
   std::size_t count() const { return rays.size(); }
-};
-
-// Two points in time on the default stream.
-class Stopwatch {
- public:
-  Stopwatch() {
-    check(cudaEventCreate(&begin_), "making an event");
-    check(cudaEventCreate(&end_), "making an event");
-  }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-  ~Stopwatch() {
-    cudaEventDestroy(begin_);
-    cudaEventDestroy(end_);
-  }
-  template <class Launch>
-  double seconds(const Launch& launch) const {
-    check(cudaEventRecord(begin_, nullptr), "recording an event");
-    launch();
-    check(cudaEventRecord(end_, nullptr), "recording an event");
-    check(cudaEventSynchronize(end_), "tracing");
-    float milliseconds = 0.0f;
-    check(cudaEventElapsedTime(&milliseconds, begin_, end_), "reading a time");
-    return 1e-3 * static_cast<double>(milliseconds);
-  }
-
- private:
-  cudaEvent_t begin_ = nullptr, end_ = nullptr;
 };
 
 // What both structures have in common: `Launch` starts their kernels.
@@ -92,7 +65,7 @@ class Uploaded final : public workbench::DeviceHierarchy {
   }
 
   double time() override {
-    return stopwatch_.seconds([&] { trace(); });
+    return 1e-3 * stopwatch_.milliseconds([&] { trace(); });
   }
 
  private:

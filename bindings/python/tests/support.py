@@ -36,6 +36,19 @@ def sphere(rings=24, segments=32, radius=1.0):
     return vertices, np.array(faces)
 
 
+class OnlyDlpack:
+    """An array of another library, which offers nothing but DLPack."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def __dlpack__(self, **arguments):
+        return self.array.__dlpack__(**arguments)
+
+    def __dlpack_device__(self):
+        return self.array.__dlpack_device__()
+
+
 def exact(points):
     """Arrays of floats as nested lists of fractions."""
     return [[Fraction(float(x)) for x in point] for point in points]

@@ -36,25 +36,12 @@ def forms():
         "a list": ORIGINS.tolist(),
         "a matrix": np.asmatrix(ORIGINS),
         "masked, nothing masked": np.ma.array(ORIGINS),
-        "through DLPack": OnlyDlpack(ORIGINS),
+        "through DLPack": support.OnlyDlpack(ORIGINS),
         "a buffer": memoryview(standard_array.array("f", ORIGINS.reshape(-1))).cast("B").cast("f", (3, 3)),
     }
 
 
-class OnlyDlpack:
-    """An array of another library."""
-
-    def __init__(self, array):
-        self.array = array
-
-    def __dlpack__(self, **arguments):
-        return self.array.__dlpack__(**arguments)
-
-    def __dlpack_device__(self):
-        return self.array.__dlpack_device__()
-
-
-class OnAnotherDevice(OnlyDlpack):
+class OnAnotherDevice(support.OnlyDlpack):
     def __dlpack__(self, **arguments):
         raise BufferError("it lies on cuda:0")
 

@@ -7,24 +7,12 @@ import support
 from kerf_bvh.open3d import RaycastingScene
 
 
-class Tensor:
-    """What Open3D's tensors offer to other libraries."""
-
-    def __init__(self, array):
-        self.array = array
-
-    def __dlpack__(self, **arguments):
-        return self.array.__dlpack__(**arguments)
-
-    def __dlpack_device__(self):
-        return self.array.__dlpack_device__()
-
-
 @pytest.fixture
 def scene():
     scene = RaycastingScene()
     assert scene.add_triangles(support.CUBE_VERTICES, support.CUBE_FACES) == 0
-    assert scene.add_triangles(Tensor(support.CUBE_VERTICES + np.float32(5)), Tensor(support.CUBE_FACES)) == 1
+    moved = support.OnlyDlpack(support.CUBE_VERTICES + np.float32(5))
+    assert scene.add_triangles(moved, support.OnlyDlpack(support.CUBE_FACES)) == 1
     return scene
 
 
@@ -36,7 +24,7 @@ def told(answers):
 
 
 def test_casts_have_the_fields_shapes_and_types_of_open3d(scene):
-    answers = scene.cast_rays(Tensor(RAYS))
+    answers = scene.cast_rays(support.OnlyDlpack(RAYS))
     assert told(answers) == {
         "t_hit": ("float32", (1, 2)),
         "geometry_ids": ("uint32", (1, 2)),

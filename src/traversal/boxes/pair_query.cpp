@@ -89,8 +89,8 @@ bool of_leaves(const BoxPair& pair) {
 }  // namespace
 
 std::vector<BoxPair> open_pairs(const WideBvh& first, const WideBvh& second, const Motion& motion,
-                                std::size_t wanted) {
-  std::vector<BoxPair> pairs{{ChildLink::node(0), ChildLink::node(0), first.bounds, motion(second.bounds)}};
+                                const BoxPair& start, std::size_t wanted) {
+  std::vector<BoxPair> pairs{start};
   with_width(second.width, [&](auto width) HWY_ATTR {
     const PairSearch<WideNode<width>> search(first, second, motion);
     // All pairs one step further, again and again.

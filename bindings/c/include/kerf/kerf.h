@@ -15,12 +15,9 @@
 #ifndef KERF_KERF_H
 #define KERF_KERF_H
 
+#include <kerf/version.hpp> /* macros alone */
 #include <stddef.h>
 #include <stdint.h>
-
-#define KERF_C_VERSION_MAJOR 0
-#define KERF_C_VERSION_MINOR 1
-#define KERF_C_VERSION_PATCH 0
 
 #if defined(_WIN32) && defined(KERF_C_SHARED)
 #ifdef KERF_C_BUILDS
@@ -56,7 +53,7 @@ typedef enum kerf_status {
 /* The sentence of the last call of this thread that failed; empty if none has. Valid until the next fails. */
 KERF_C_API const char* kerf_last_error(void);
 
-/* The version of the library that runs: major * 10000 + minor * 100 + patch. */
+/* The KERF_VERSION_NUMBER of the library that runs. */
 KERF_C_API uint32_t kerf_version(void);
 
 /* ---- Values ---- */
@@ -213,6 +210,8 @@ KERF_C_API void kerf_to_local(const kerf_bvh* bvh, const double point[3], float 
 KERF_C_API void kerf_from_local(const kerf_bvh* bvh, const float local[3], double point[3]);
 
 /* ---- One question ---- */
+
+/* The two calls without a status cannot fail; no pointer may be null. */
 
 /* The closest hit. 1 if there is one, else 0; *hit is written in both cases. */
 KERF_C_API int kerf_intersect(const kerf_bvh* bvh, const kerf_ray* ray, kerf_hit* hit);
