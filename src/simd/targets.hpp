@@ -8,7 +8,9 @@
 #endif
 
 // All that the compiler knows, the fallback included, which tests compare with the others.
+#ifndef HWY_COMPILE_ONLY_STATIC
 #define HWY_COMPILE_ALL_ATTAINABLE
+#endif
 
 // SSSE3: such old machines take the fallback. SVE and RVV: a vector whose size is unknown to the compiler can
 // be neither a member nor an element of an array; NEON runs wherever SVE does.
