@@ -20,47 +20,24 @@ namespace {
 using namespace adversarial;
 using exact::Number;
 
-// How far `t` is from the exact value, in units in the last place of the exact value's float.
-double error_in_ulps(float t, const Number& truth) {
-  const auto nearest = static_cast<float>(truth.convert_to<double>());
-  const float above = std::nextafter(std::abs(nearest), std::numeric_limits<float>::infinity());
-  const Number ulp = exact::number(above) - exact::number(std::abs(nearest));
-  return std::abs(Number((exact::number(t) - truth) / ulp).convert_to<double>());
-}
-
-float power(std::mt19937& random, float low, float high) {
-  return std::pow(10.0f, uniform(random, low, high));
-}
-
-// A ray from beside the plane of the triangle, towards a point of the triangle or the other way.
-Ray ray_from_beside(std::mt19937& random, const Triangle& triangle, float height) {
-  const float s = uniform(random, 0.0f, 1.0f), r = uniform(random, 0.0f, 1.0f);
-  const auto inside = [&](float p, float q) {
-    return triangle.v0 + p * (1.0f - q) * (triangle.v1 - triangle.v0) + p * q * (triangle.v2 - triangle.v0);
-  };
-  const Vec3f n = cross(triangle.v1 - triangle.v0, triangle.v2 - triangle.v0);
-  const Vec3f from = inside(uniform(random, 0.0f, 1.0f), r) + (height / length(n)) * n;
-  const Vec3f to = inside(s, uniform(random, 0.0f, 1.0f));
-  return {.origin = from, .direction = random() % 4 != 0 ? to - from : from - to};
-}
-
 TEST(RayCrossing, TIsTheExactOneRoundedForEverySizeAndDistance) {
   std::mt19937 random(1);
   int crossings = 0;
   double max_error = 0.0;
   for (int i = 0; i < 200000; ++i) {
-    const float size = power(random, -6, 6), offset = i % 2 ? 0.0f : size * power(random, -2, 2);
+    const float size = power_of_ten(random, -6, 6),
+                offset = i % 2 ? 0.0f : size * power_of_ten(random, -2, 2);
     const Vec3f at{offset, -offset, offset};
     const Triangle triangle{at + uniform_point(random, size), at + uniform_point(random, size),
                             at + uniform_point(random, size)};
     if (is_degenerate(triangle)) continue;
-    const Ray ray = ray_from_beside(random, triangle, size * power(random, -9, 2));
+    const Ray ray = ray_from_beside(random, triangle, size * power_of_ten(random, -9, 2));
     if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vec3f{}) continue;
     const exact::Crossing truth = exact::cross_line(ray.origin, ray.direction, triangle);
     if (truth.meeting == exact::Meeting::none) continue;
     ++crossings;
     const RayCrossing crossing = crossing_of(ray.origin, ray.direction, triangle);
-    const double error = error_in_ulps(crossing.t, truth.t);
+    const double error = exact::error_in_ulps(crossing.t, truth.t);
     max_error = std::max(max_error, error);
     ASSERT_LE(error, 1.0) << crossing.t << " for " << truth.t.convert_to<double>();
     ASSERT_EQ(crossing.t < 0.0f, truth.t < 0);

@@ -37,6 +37,10 @@ inline float uniform(std::mt19937& random, float low, float high) {
   return low + (high - low) * (static_cast<float>(random() >> 8) * 0x1p-24f);
 }
 
+inline float power_of_ten(std::mt19937& random, float low, float high) {
+  return std::pow(10.0f, uniform(random, low, high));
+}
+
 inline Vec3f uniform_point(std::mt19937& random, float scale) {
   const float x = uniform(random, -scale, scale), y = uniform(random, -scale, scale),
               z = uniform(random, -scale, scale);
@@ -60,6 +64,18 @@ Soup soup(std::size_t count, MakePoint&& point) {
     if (!kerf::collinear(a, b, c)) triangles.push_back({a, b, c});
   }
   return Soup(std::move(triangles));
+}
+
+/// A ray from beside the plane of the triangle, towards a point of the triangle or the other way.
+inline Ray ray_from_beside(std::mt19937& random, const Triangle& triangle, float height) {
+  const float s = uniform(random, 0.0f, 1.0f), r = uniform(random, 0.0f, 1.0f);
+  const auto inside = [&](float p, float q) {
+    return triangle.v0 + p * (1.0f - q) * (triangle.v1 - triangle.v0) + p * q * (triangle.v2 - triangle.v0);
+  };
+  const Vec3f n = cross(triangle.v1 - triangle.v0, triangle.v2 - triangle.v0);
+  const Vec3f from = inside(uniform(random, 0.0f, 1.0f), r) + (height / length(n)) * n;
+  const Vec3f to = inside(s, uniform(random, 0.0f, 1.0f));
+  return {.origin = from, .direction = random() % 4 != 0 ? to - from : from - to};
 }
 
 /// A ray that is hard for `target`: through a vertex, a point of an edge or of the inside, along an edge, or

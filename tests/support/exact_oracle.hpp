@@ -2,6 +2,8 @@
 // its own.
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -52,6 +54,23 @@ struct Crossing {
   Meeting meeting = Meeting::none;
   Number t, u, v;  ///< valid unless `none`
 };
+
+/// How far `t` is from the exact value, in units in the last place of the exact value's float.
+inline double error_in_ulps(float t, const Number& truth) {
+  const auto nearest = static_cast<float>(truth.convert_to<double>());
+  const float above = std::nextafter(std::abs(nearest), std::numeric_limits<float>::infinity());
+  const Number ulp = number(above) - number(std::abs(nearest));
+  return std::abs(Number((number(t) - truth) / ulp).convert_to<double>());
+}
+
+/// The t at which a line crosses the plane of a triangle; nothing for a line that never does.
+inline std::optional<Number> cross_plane(const kerf::Vec3f& origin, const kerf::Vec3f& direction,
+                                         const kerf::Triangle& triangle) {
+  const Vector a = vector(triangle.v0), n = cross(vector(triangle.v1) - a, vector(triangle.v2) - a);
+  const Number slope = dot(n, vector(direction));
+  if (slope == 0) return std::nullopt;
+  return Number(dot(n, a - vector(origin)) / slope);
+}
 
 /// By the plane's equation and barycentric coordinates as ratios of areas.
 inline Crossing cross_line(const kerf::Vec3f& origin, const kerf::Vec3f& direction,

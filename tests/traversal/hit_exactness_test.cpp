@@ -1,12 +1,18 @@
 // `intersect` and `occluded` against rational arithmetic. Rounding moves the corners of triangles, and moves
 // a corner the same way for all triangles that share it. So a triangle must be hit if the ray crosses it at
 // more than that distance from its edges, and may be hit if the ray passes it within that distance.
+#include <cstdlib>
+#include <iostream>
+#include <sstream>
+
 #include <gtest/gtest.h>
 
+#include "base/parallel.hpp"
 #include "math/ray_box.hpp"
 #include "support/adversarial.hpp"
 #include "support/build_options.hpp"
 #include "support/exact_oracle.hpp"
+#include "support/instrumented.hpp"
 #include "support/targets.hpp"
 
 namespace kerf {
@@ -134,6 +140,81 @@ TEST(HitExactness, HitsWhatMustBeHitFarFromTheOriginAndAtAnyScale) {
       ASSERT_NO_FATAL_FAILURE(expect_exact(triangles, bvh, ray));
     }
   }
+}
+
+// What `rays` rays of one seed found, at triangles of all sizes from all distances.
+struct Findings {
+  std::size_t hits = 0, wrong = 0;
+  double max_error = 0.0;  // of a hit's t, in units in the last place
+  std::string first;       // of what was wrong
+
+  void expect(bool right, const char* claim, const Ray& ray) {
+    if (right) return;
+    if (wrong++ == 0) {
+      std::ostringstream out;
+      out << std::hexfloat << claim << ", origin " << ray.origin.x << ' ' << ray.origin.y << ' '
+          << ray.origin.z << ", direction " << ray.direction.x << ' ' << ray.direction.y << ' '
+          << ray.direction.z;
+      first = out.str();
+    }
+  }
+};
+
+void trace_against_rationals(std::uint32_t seed, std::size_t rays, Findings& found) {
+  std::mt19937 random(seed);
+  constexpr std::size_t per_soup = 64;
+  for (std::size_t traced = 0; traced < rays; traced += per_soup) {
+    const float size = power_of_ten(random, -6, 6);
+    const float offset = random() % 2 ? 0.0f : size * power_of_ten(random, -2, 2);
+    const Soup triangles = soup(24, [&] {
+      return Vec3f{offset, -offset, offset} + uniform_point(random, size);
+    });
+    const Bvh bvh = build(triangles.mesh(), spatial_splits_everywhere());
+    for (std::size_t i = 0; i < std::min(per_soup, rays - traced); ++i) {
+      Ray ray =
+          ray_from_beside(random, triangles.triangles[random() % 24], size * power_of_ten(random, -9, 2));
+      if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vec3f{}) continue;
+      if (i % 4 == 3) ray.t_min = -std::numeric_limits<float>::infinity();
+      const auto hit = bvh.intersect(ray);
+      if (i % 16 == 0) {  // the dearest check
+        const HitOracle oracle(triangles, bvh.bounds(), ray);
+        bool missed = false;
+        for (const Triangle& triangle : triangles.triangles)
+          missed = missed || oracle.must_be_hit_before(triangle, hit ? hit->t : ray.t_max);
+        found.expect(!missed, "a triangle was missed", ray);
+      }
+      if (!hit) continue;
+      ++found.hits;
+      const auto t = exact::cross_plane(ray.origin, ray.direction, triangles.triangles[hit->primitive]);
+      const double error = t ? exact::error_in_ulps(hit->t, *t) : 0.0;
+      found.max_error = std::max(found.max_error, error);
+      found.expect(t && error <= 1.0, "t is not the exact one rounded", ray);
+      found.expect(t && (hit->t < 0.0f) == (*t < 0), "the hit is on the other side of the origin", ray);
+    }
+  }
+}
+
+// KERF_RAYS=10000000 is the longer run of SECURITY.md.
+TEST(HitExactness, TIsTheExactOneRoundedOnEveryInstructionSet) {
+  const char* const wanted = std::getenv("KERF_RAYS");
+  const std::size_t rays = wanted ? std::strtoull(wanted, nullptr, 10) : test::reduced(16384);
+  kerf_tests::for_each_target([&](const Target& target) {
+    constexpr std::uint32_t seeds = 64;
+    std::vector<Findings> found(seeds);
+    parallel_for(seeds,
+                 [&](std::uint32_t seed) { trace_against_rationals(seed, rays / seeds, found[seed]); });
+    Findings all;
+    for (const Findings& some : found) {
+      all.hits += some.hits;
+      all.max_error = std::max(all.max_error, some.max_error);
+      EXPECT_EQ(some.wrong, 0u) << some.first;
+    }
+    EXPECT_GT(all.hits, rays / 2);
+    if (wanted) {
+      std::cout << target.name << ": " << rays << " rays, " << all.hits << " hits, t at most "
+                << all.max_error << " ulp off\n";
+    }
+  });
 }
 
 }  // namespace
