@@ -27,6 +27,7 @@ kerf_document_code(Trace docs/guide/trace.md)
 kerf_document_code(Query docs/guide/query.md)
 kerf_document_code(Move docs/guide/move.md)
 kerf_document_code(Save docs/guide/save.md)
+kerf_document_code(Scene docs/guide/scene.md)
 kerf_document_code(Inspect docs/guide/inspect.md)
 kerf_document_code(Cookbook docs/guide/cookbook.md)
 

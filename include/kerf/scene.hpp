@@ -1,0 +1,188 @@
+// Scenes of objects that repeat and move: many places for one hierarchy.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include <kerf/batch.hpp>
+#include <kerf/build.hpp>
+#include <kerf/bvh.hpp>
+#include <kerf/export.hpp>
+#include <kerf/query.hpp>
+#include <kerf/ray.hpp>
+#include <kerf/vec.hpp>
+
+namespace kerf {
+
+/// An object at a place in a scene.
+struct Instance {
+  Bvh object;                ///< shared with all other handles: nothing of it is copied
+  Transform transform = {};  ///< from the object's (local) coordinates to the scene; invertible, see `build`
+  Mask mask = {};            ///< rays that are traced with a `Mask` see it if they share a bit
+  std::uint32_t number = 0;  ///< the caller's own, which kerf only keeps
+};
+
+/// Where a ray crosses a triangle of an instance. As `Hit`, and
+struct SceneHit {
+  float t = std::numeric_limits<float>::infinity();  ///< in lengths of the ray's direction
+  float u = 0.0f;                                    ///< weight of v1
+  float v = 0.0f;                                    ///< weight of v2
+  std::uint32_t primitive = invalid_id;              ///< number of the triangle within its mesh
+  std::uint32_t mesh = invalid_id;                   ///< number of the mesh within the object
+  std::uint32_t instance = invalid_id;               ///< number of the instance in the order given to `build`
+
+  /// True for a hit, false for the value that the span calls write for a miss.
+  constexpr explicit operator bool() const { return instance != invalid_id; }
+
+  friend constexpr bool operator==(const SceneHit&, const SceneHit&) = default;
+};
+
+/// The point of a triangle of an instance that is closest to a given point. As `SurfacePoint`, and
+struct ScenePoint {
+  Vec3f position;                                           ///< the point itself, in the scene
+  float distance = std::numeric_limits<float>::infinity();  ///< from the given point, in the scene
+  float u = 0.0f;                                           ///< weight of v1
+  float v = 0.0f;                                           ///< weight of v2
+  std::uint32_t primitive = invalid_id;                     ///< number of the triangle within its mesh
+  std::uint32_t mesh = invalid_id;                          ///< number of the mesh within the object
+  std::uint32_t instance = invalid_id;  ///< number of the instance in the order given to `build`
+
+  /// True for a point, false for the value that calls for many points write where there is none.
+  constexpr explicit operator bool() const { return instance != invalid_id; }
+
+  friend constexpr bool operator==(const ScenePoint&, const ScenePoint&) = default;
+};
+
+struct KERF_API SceneStructure;  // what a `Scene` holds: private to the library
+
+/// A hierarchy over instances. A handle: copies share one structure, which never changes, so that any number
+/// of threads may make any call at the same time.
+///
+/// A ray is taken to an object's space once, in double precision; its origin and its direction are then
+/// rounded to floats, each component once. For all triangles of the object it is the same ray, so that an
+/// instance is as watertight as its object; t, u and v are those that the object's own calls give for that
+/// ray. The rounding moves a ray, along each axis of the scene, by at most
+///
+///     2^-24 (2 K D + 2 S)
+///
+/// with D the largest distance along an axis from the ray's origin to the far side of the object, S the
+/// largest coordinate of the object's box, measured in the scene, and K the condition of the transform, which
+/// is 1 where axes go to axes and at most 3 for a turn (docs/algorithms.md). A ray that meets an edge within
+/// this may hit the other triangle of the edge than in a mesh of all instances. The same is true of points.
+class KERF_API Scene {
+ public:
+  /// A scene of nothing, which every ray misses.
+  Scene() noexcept;
+
+  /// Copies share the structure.
+  Scene(const Scene&) = default;
+  /// Copies share the structure.
+  Scene& operator=(const Scene&) = default;
+  /// A handle that was moved from is a scene of nothing.
+  Scene(Scene&& other) noexcept;
+  /// A handle that was moved from is a scene of nothing.
+  Scene& operator=(Scene&& other) noexcept;
+  ~Scene() = default;
+
+  /// The closest hit in `[ray.t_min, ray.t_max]`. Of several at the same t, the lowest instance, mesh and
+  /// triangle.
+  std::optional<SceneHit> intersect(const Ray& ray) const;
+
+  /// True if anything is hit in `[ray.t_min, ray.t_max]`.
+  bool occluded(const Ray& ray) const;
+
+  /// The closest hit of an instance and a mesh which the ray sees both.
+  std::optional<SceneHit> intersect(const Ray& ray, Mask mask) const;
+
+  /// True if a mesh is hit which the ray sees, of an instance that it sees.
+  bool occluded(const Ray& ray, Mask mask) const;
+
+  /// Hit i becomes the closest hit of ray i, or a `SceneHit` that converts to false. The hits are the same as
+  /// one by one. This and all calls below that take many rays or points run on all cores, or on as many
+  /// threads as `options` says. They throw `Error::invalid_argument` if what is given differs in length, and
+  /// `Error::out_of_memory`.
+  void intersect(const RayView& rays, std::span<SceneHit> hits, const BatchOptions& options = {}) const;
+
+  /// Flag i becomes 1 if ray i hits anything, else 0.
+  void occluded(const RayView& rays, const FlagView& occluded, const BatchOptions& options = {}) const;
+
+  /// Calls `visit(hit)` for every triangle that the ray crosses in `[ray.t_min, ray.t_max]`, each once for
+  /// each instance, in the order of (t, instance, mesh, primitive), until `visit` returns false; it may also
+  /// return nothing. Decided exactly, as by `Bvh::all_hits`, for the ray as each object sees it. Throws
+  /// `Error::out_of_memory`, and what `visit` throws.
+  template <class Visit>
+  requires std::invocable<Visit&, const SceneHit&>
+  void all_hits(const Ray& ray, Visit&& visit) const {
+    for (const SceneHit& hit : list_hits(ray)) {
+      if constexpr (std::is_void_v<std::invoke_result_t<Visit&, const SceneHit&>>) {
+        std::invoke(visit, hit);
+      } else if (!std::invoke(visit, hit)) {
+        return;
+      }
+    }
+  }
+
+  /// The number of hits that `all_hits` visits. Throws `Error::out_of_memory`.
+  std::size_t count_hits(const Ray& ray) const;
+
+  /// Whether `point` lies inside the closed surface that all triangles make, or on it: by the parity of the
+  /// crossings of one ray through all instances. It is right to the last crossing where each object is closed
+  /// by itself. Where two of them overlap, it is even: outside, as for a mesh of both.
+  bool contains(const Vec3f& point) const;
+
+  /// The same for many points.
+  void contains(const PointView& points, const FlagView& inside, const BatchOptions& options = {}) const;
+
+  /// The closest point of any triangle within `max_distance` (included); nothing if there is none. Of several
+  /// at the same distance, the lowest instance, mesh and triangle. Distances are those in the scene, also
+  /// where transforms scale and shear, computed in double precision from corners that are moved in double
+  /// precision.
+  std::optional<ScenePoint> closest_point(const Vec3f& point,
+                                          float max_distance = std::numeric_limits<float>::infinity()) const;
+
+  /// The same for many points. Where there is none, the result converts to false.
+  void closest_point(const PointView& points, std::span<ScenePoint> closest,
+                     float max_distance = std::numeric_limits<float>::infinity(),
+                     const BatchOptions& options = {}) const;
+
+  /// The distance to the closest point of a closed surface, negative inside (`contains`). Infinity for a
+  /// scene of nothing.
+  float signed_distance(const Vec3f& point) const;
+
+  /// The closest point of every triangle that has a point within `radius` (included) of `point`; each
+  /// triangle of each instance once, nearest first.
+  std::vector<ScenePoint> within(const Vec3f& point, float radius) const;
+
+  /// The instances that were given to `build`. Valid as long as this handle or a copy of it.
+  std::span<const Instance> instances() const;
+
+  /// A box around all instances; empty for a scene of nothing.
+  Box3f bounds() const;
+
+  /// The bytes of the scene itself, without those of its objects.
+  std::size_t bytes() const;
+
+ private:
+  friend struct SceneStructure;
+  explicit Scene(std::shared_ptr<const SceneStructure> structure) noexcept;
+  std::vector<SceneHit> list_hits(const Ray& ray) const;
+
+  std::shared_ptr<const SceneStructure> structure_;
+};
+
+/// Builds a scene. Objects of nothing are allowed. Of the options, `threads` counts. Throws
+/// `Error::invalid_argument` for a transform with a number that is not finite, or that flattens its object so
+/// much that it cannot be inverted in double precision (the sum of the absolute values in a row of the
+/// product of |transform| and |inverse| must be below 2^20), or that moves it to coordinates of 2^126 or
+/// more; `Error::too_large` for 2^28 instances and more; and `Error::out_of_memory`.
+KERF_API Scene build(std::span<const Instance> instances, const BuildOptions& options = {});
+
+}  // namespace kerf

@@ -1,0 +1,184 @@
+// Where an object stands in a scene: rays and points taken to its space, boxes taken from it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <kerf/query.hpp>
+#include <kerf/ray.hpp>
+#include <kerf/vec.hpp>
+
+#include "math/box3f.hpp"
+#include "math/ray_crossing.hpp"
+
+namespace kerf {
+
+/// An affine map M x + T from an object to a scene, and its inverse. The inverse is applied around a point c
+/// of the object, which stands at M c + T in the scene:
+///
+///     x' = c + M^-1 (x - (M c + T))
+///
+/// so that little is lost to cancellation where an object is far from its own origin or from the scene's.
+/// A ray in the space of an object.
+struct MovedRay {
+  Ray ray;
+  double unit = 1.0;  ///< by which a t of it is multiplied to one in the scene: a power of two
+
+  MovedRay(const Ray& scene_ray, const Vec3f& origin, const double (&direction)[3])
+      : ray{.origin = origin, .direction = {}, .t_min = scene_ray.t_min, .t_max = scene_ray.t_max} {
+    // Above, and above 0, the digits of a float are all there.
+    constexpr double largest = 0x1p100, smallest = 0x1p-100;
+    const double length = std::max({std::abs(direction[0]), std::abs(direction[1]), std::abs(direction[2])});
+    double scale = 1.0;
+    if (!(length > smallest && length < largest) && length > 0.0 && std::isfinite(length)) {
+      scale = std::ldexp(1.0, -std::ilogb(length));
+      unit = scale;
+      ray.t_min = in_object(scene_ray.t_min);
+      ray.t_max = in_object(scene_ray.t_max);
+    }
+    for (int i = 0; i < 3; ++i) ray.direction[i] = static_cast<float>(direction[i] * scale);
+  }
+
+  float in_object(float t) const {
+    constexpr double limit = std::numeric_limits<float>::max();
+    return unit == 1.0 || std::isinf(t) ? t : static_cast<float>(std::clamp(t / unit, -limit, limit));
+  }
+  float in_scene(float t) const { return unit == 1.0 ? t : round_distance(t * unit); }
+};
+
+class Placement {
+ public:
+  /// `bounds` are the object's, not empty. Check `condition` before use.
+  Placement(const Transform& transform, const Box3f& bounds) {
+    const auto& m = transform.rows;
+    for (int j = 0; j < 3; ++j) {
+      const double lower = bounds.lower[j], upper = bounds.upper[j];
+      center_[j] = std::abs(lower) + std::abs(upper) > 4.0 * (upper - lower) ? bounds.lower[j] : 0.0f;
+    }
+    invert(m);
+    for (int i = 0; i < 3; ++i)
+      at_[i] = m[i][0] * center_.x + m[i][1] * center_.y + m[i][2] * center_.z + m[i][3];
+  }
+
+  static constexpr double max_condition = 0x1p20;
+
+  /// The largest sum of a row of |M| |M^-1|, which is 1 where axes go to axes and at most 3 for a rotation;
+  /// infinite if that is `max_condition` or more. `transform` is the one that this was made of.
+  double condition(const Transform& transform) const {
+    double largest = 0.0;
+    for (const auto& row : transform.rows) {
+      double sum = 0.0;
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) sum += std::abs(row[k] * inverse_[k][j]);
+      if (!(sum < max_condition)) return std::numeric_limits<double>::infinity();
+      largest = std::max(largest, sum);
+    }
+    return largest;
+  }
+
+  /// A box in the scene around the object. Any ray that, taken to the object's space, hits the object, meets
+  /// it where boxes are grown by the margin that `ray_margin` gives. The arguments are those that this was
+  /// made of.
+  Box3f box(const Transform& transform, const Box3f& bounds) const {
+    Box3f box;
+    for (int i = 0; i < 3; ++i) {
+      const double(&row)[4] = transform.rows[i];
+      double low = at_[i], high = at_[i], size = 0.0;
+      for (int j = 0; j < 3; ++j) {
+        const double lower = double{bounds.lower[j]} - center_[j],
+                     upper = double{bounds.upper[j]} - center_[j];
+        const double a = row[j] * lower, b = row[j] * upper;
+        low += std::min(a, b);
+        high += std::max(a, b);
+        size += std::abs(row[j]) * (std::abs(center_[j]) + std::max(std::abs(lower), std::abs(upper)));
+      }
+      const double margin =
+          0x1p-16 * size + 0x1p-46 * (std::abs(row[3]) + size) + std::numeric_limits<float>::min();
+      constexpr float infinity = std::numeric_limits<float>::infinity();
+      box.lower[i] = std::nextafter(static_cast<float>(low - margin), -infinity);
+      box.upper[i] = std::nextafter(static_cast<float>(high + margin), infinity);
+    }
+    return box;
+  }
+
+  /// At least by how much the inverse map makes a distance longer at most: the largest singular value of
+  /// M^-1.
+  double largest_stretch() const { return stretch_; }
+
+  /// By how much less `to_object(point)` may lie off the exact place, in the object.
+  double rounding_of(const Vec3f& local) const {
+    const double largest = std::max({std::abs(local.x), std::abs(local.y), std::abs(local.z)});
+    return 0x1p-23 * largest +
+           0x1p-40 * (double{std::abs(center_.x)} + std::abs(center_.y) + std::abs(center_.z)) +
+           std::numeric_limits<float>::denorm_min();
+  }
+
+  Vec3f to_object(const Vec3f& point) const {
+    const double q[3] = {point.x - at_[0], point.y - at_[1], point.z - at_[2]};
+    Vec3f moved;
+    for (int i = 0; i < 3; ++i)
+      moved[i] = static_cast<float>(center_[i] +
+                                    (inverse_[i][0] * q[0] + inverse_[i][1] * q[1] + inverse_[i][2] * q[2]));
+    return moved;
+  }
+
+  /// The same ray, t for t, but for the rounding of its origin and of its direction.
+  MovedRay to_object(const Ray& ray) const {
+    const Vec3f& d = ray.direction;
+    double direction[3];
+    for (int i = 0; i < 3; ++i)
+      direction[i] = inverse_[i][0] * d.x + inverse_[i][1] * d.y + inverse_[i][2] * d.z;
+    return MovedRay(ray, to_object(ray.origin), direction);
+  }
+
+ private:
+  void invert(const double (&m)[3][4]) {
+    const auto minor = [&](int i, int j) {  // with its sign
+      const int r = (i + 1) % 3, s = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+      return m[r][c] * m[s][d] - m[r][d] * m[s][c];
+    };
+    const double determinant = m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1) + m[0][2] * minor(0, 2);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) inverse_[i][j] = minor(j, i) / determinant;
+    stretch_ = static_cast<float>(largest_singular_value(inverse_));
+  }
+
+  // The root of the largest eigenvalue of A A^T, by the roots of its characteristic polynomial (Smith 1961,
+  // "Eigenvalues of a symmetric 3 x 3 matrix"), and a little more than rounding takes from it.
+  static double largest_singular_value(const double (&a)[3][3]) {
+    double s[3][3];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) s[i][j] = a[i][0] * a[j][0] + a[i][1] * a[j][1] + a[i][2] * a[j][2];
+    const double mean = (s[0][0] + s[1][1] + s[2][2]) / 3.0;
+    const double off = s[0][1] * s[0][1] + s[0][2] * s[0][2] + s[1][2] * s[1][2];
+    double p = 2.0 * off;
+    for (int i = 0; i < 3; ++i) p += (s[i][i] - mean) * (s[i][i] - mean);
+    p = std::sqrt(p / 6.0);
+    double largest = mean;
+    if (p > 1e-12 * mean) {
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) s[i][j] = (s[i][j] - (i == j ? mean : 0.0)) / p;
+      const double half = 0.5 * (s[0][0] * (s[1][1] * s[2][2] - s[1][2] * s[2][1]) -
+                                 s[0][1] * (s[1][0] * s[2][2] - s[1][2] * s[2][0]) +
+                                 s[0][2] * (s[1][0] * s[2][1] - s[1][1] * s[2][0]));
+      largest = mean + 2.0 * p * std::cos(std::acos(std::clamp(half, -1.0, 1.0)) / 3.0);
+    }
+    return std::sqrt(largest) * (1.0 + 1e-6);
+  }
+
+  double inverse_[3][3], at_[3];
+  Vec3f center_;
+  float stretch_ = 0.0f;
+};
+
+/// By how much boxes in the scene have to be grown, in units of 2^-24 of the distance D from the ray's origin
+/// to the far side of the scene, so that no instance with this condition is missed. An object's kernels may
+/// report a hit beside its box by the margin of `RayBoxes`, 164 units of a distance of up to D times |M^-1|
+/// in the object's space, and |M| times that in the scene. The rounding of origin and direction adds 2 units
+/// each. What grows with the object and not with D is in `Placement::box`.
+inline double ray_margin(double condition) {
+  return 176.0 * condition;
+}
+
+}  // namespace kerf

@@ -1,0 +1,190 @@
+// Rays through a scene: closest hit, any hit, all hits, and the parity of the crossings from a point.
+#include <algorithm>
+#include <vector>
+
+#include <kerf/scene.hpp>
+
+#include "base/fp_environment.hpp"
+#include "base/out_of_memory.hpp"
+#include "math/vec3f.hpp"
+#include "queries/batches.hpp"
+#include "queries/points.hpp"
+#include "queries/ray_columns.hpp"
+#include "scene/places.hpp"
+#include "traversal/dispatch.hpp"
+
+namespace kerf {
+namespace {
+
+SceneHit named(const Structure& object, Hit hit, std::uint32_t instance) {
+  name_triangle(object, hit);
+  return {hit.t, hit.u, hit.v, hit.primitive, hit.mesh, instance};
+}
+
+// The triangle of `best` is named at the end; until then it has its number in the object.
+SceneHit closest_hit(const SceneStructure& scene, const Ray& ray) {
+  Hit best;
+  std::uint32_t instance = invalid_id;
+  const Structure* object = nullptr;
+  best.t = ray.t_max;
+  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
+    MovedRay local = place.placement.to_object(ray);
+    local.ray.t_max = local.in_object(best.t);
+    Hit hit;
+    place.object->kernels->closest(place.object->wide, local.ray, hit);
+    hit.t = local.in_scene(hit.t);
+    if (hit && (hit.t < best.t || place.number < instance)) {
+      best = hit;
+      instance = place.number;
+      object = place.object;
+    }
+    return best.t;
+  });
+  return object == nullptr ? SceneHit{} : named(*object, best, instance);
+}
+
+SceneHit closest_seen(const SceneStructure& scene, const Ray& ray, Mask mask) {
+  SceneHit best;
+  best.t = ray.t_max;
+  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
+    const Instance& instance = scene.instances[place.number];
+    if ((instance.mask.bits & mask.bits) == 0) return best.t;
+    MovedRay local = place.placement.to_object(ray);
+    local.ray.t_max = local.in_object(best.t);
+    const auto hit = instance.object.intersect(local.ray, mask);
+    if (!hit) return best.t;
+    const float t = local.in_scene(hit->t);
+    if (t < best.t || place.number < best.instance)
+      best = {t, hit->u, hit->v, hit->primitive, hit->mesh, place.number};
+    return best.t;
+  });
+  return best ? best : SceneHit{};
+}
+
+bool any_hit(const SceneStructure& scene, const Ray& ray) {
+  bool found = false;
+  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
+    found = place.object->kernels->any(place.object->wide, place.placement.to_object(ray).ray);
+    return found ? end_of_ray : ray.t_max;
+  });
+  return found;
+}
+
+bool any_seen(const SceneStructure& scene, const Ray& ray, Mask mask) {
+  bool found = false;
+  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
+    const Instance& instance = scene.instances[place.number];
+    found = (instance.mask.bits & mask.bits) != 0 &&
+            instance.object.occluded(place.placement.to_object(ray).ray, mask);
+    return found ? end_of_ray : ray.t_max;
+  });
+  return found;
+}
+
+bool is_earlier(const SceneHit& a, const SceneHit& b) {
+  if (a.t != b.t) return a.t < b.t;
+  if (a.instance != b.instance) return a.instance < b.instance;
+  return a.mesh != b.mesh ? a.mesh < b.mesh : a.primitive < b.primitive;
+}
+
+std::size_t count_all(const SceneStructure& scene, const Ray& ray) {
+  std::size_t count = 0;
+  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
+    count += place.object->kernels->count_crossings(place.object->wide, place.placement.to_object(ray).ray);
+    return ray.t_max;
+  });
+  return count;
+}
+
+// As `side_of` in the objects' kernels: oblique to all coordinate planes.
+constexpr Vec3f oblique{0.8571f, 0.3163f, 0.4067f};
+
+bool holds(const SceneStructure& scene, const Vec3f& point) {
+  if (!is_finite(point)) return false;
+  const Ray ray{.origin = point, .direction = oblique};
+  std::size_t crossings = 0;
+  bool on = false;
+  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
+    const Ray local = place.placement.to_object(ray).ray;
+    const Structure& object = *place.object;
+    if (!intersect(object.wide.bounds, {local.origin, local.origin}).empty() &&
+        object.kernels->side_of(object.wide, local.origin) == Side::on) {
+      on = true;
+      return end_of_ray;
+    }
+    crossings += object.kernels->count_crossings(object.wide, local);
+    return ray.t_max;
+  });
+  return on || crossings % 2 == 1;
+}
+
+}  // namespace
+
+std::optional<SceneHit> Scene::intersect(const Ray& ray) const {
+  const SceneHit hit = closest_hit(*structure_, ray);
+  return hit ? std::optional(hit) : std::nullopt;
+}
+std::optional<SceneHit> Scene::intersect(const Ray& ray, Mask mask) const {
+  const SceneHit hit = closest_seen(*structure_, ray, mask);
+  return hit ? std::optional(hit) : std::nullopt;
+}
+bool Scene::occluded(const Ray& ray) const {
+  return any_hit(*structure_, ray);
+}
+bool Scene::occluded(const Ray& ray, Mask mask) const {
+  return any_seen(*structure_, ray, mask);
+}
+
+void Scene::intersect(const RayView& rays, std::span<SceneHit> hits, const BatchOptions& options) const {
+  require_as_many(rays.count, hits.size(), "as many hits as rays are needed");
+  for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {
+    for (std::size_t i = begin; i < begin + count; ++i) {
+      hits[i] = rays.mask.data == nullptr ? closest_hit(*structure_, ray_at(rays, i))
+                                          : closest_seen(*structure_, ray_at(rays, i), mask_at(rays, i));
+    }
+  });
+}
+
+void Scene::occluded(const RayView& rays, const FlagView& occluded, const BatchOptions& options) const {
+  require_as_many(rays.count, occluded.size(), "as many results as rays are needed");
+  for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {
+    for (std::size_t i = begin; i < begin + count; ++i) {
+      occluded.set(i, rays.mask.data == nullptr ? any_hit(*structure_, ray_at(rays, i))
+                                                : any_seen(*structure_, ray_at(rays, i), mask_at(rays, i)));
+    }
+  });
+}
+
+std::vector<SceneHit> Scene::list_hits(const Ray& ray) const {
+  const PlainFloatingPoint plain;
+  return report_out_of_memory([&] {
+    std::vector<SceneHit> hits;
+    visit_places(*structure_, ray, [&](const SceneStructure::Place& place) {
+      const MovedRay local = place.placement.to_object(ray);
+      structure_->instances[place.number].object.all_hits(local.ray, [&](const Hit& hit) {
+        hits.push_back({local.in_scene(hit.t), hit.u, hit.v, hit.primitive, hit.mesh, place.number});
+      });
+      return ray.t_max;
+    });
+    std::sort(hits.begin(), hits.end(), is_earlier);
+    return hits;
+  });
+}
+
+std::size_t Scene::count_hits(const Ray& ray) const {
+  const PlainFloatingPoint plain;
+  return report_out_of_memory([&] { return count_all(*structure_, ray); });
+}
+
+bool Scene::contains(const Vec3f& point) const {
+  const PlainFloatingPoint plain;
+  return report_out_of_memory([&] { return holds(*structure_, point); });
+}
+
+void Scene::contains(const PointView& points, const FlagView& inside, const BatchOptions& options) const {
+  require_as_many(points.size(), inside.size(), "as many results as points are needed");
+  for_each_point(points, options,
+                 [&](std::size_t i, const Vec3f& point) { inside.set(i, holds(*structure_, point)); });
+}
+
+}  // namespace kerf

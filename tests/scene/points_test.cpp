@@ -1,0 +1,178 @@
+// Distances in scenes against every triangle of every instance.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <kerf/kerf.hpp>
+#include <kerf/scene.hpp>
+
+#include "support/adversarial.hpp"
+#include "support/random_triangles.hpp"
+#include "workbench/generate/solids.hpp"
+
+namespace kerf {
+namespace {
+
+using adversarial::uniform;
+using adversarial::uniform_point;
+
+using Point = std::array<long double, 3>;
+
+Point moved(const Transform& m, const Vec3f& p) {
+  Point to;
+  for (std::size_t i = 0; i < 3; ++i) {
+    to[i] = m.rows[i][3];
+    for (std::size_t j = 0; j < 3; ++j)
+      to[i] += static_cast<long double>(m.rows[i][j]) * p[static_cast<int>(j)];
+  }
+  return to;
+}
+
+long double distance(const Point& a, const Point& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+// By the region of the triangle's plane that the point lies over (Ericson 2005, "Real-Time Collision
+// Detection", 5.1.5), in long doubles.
+long double distance_to_triangle(const Point& p, const Point& a, const Point& b, const Point& c) {
+  const auto from = [](const Point& x, const Point& y) {
+    return Point{y[0] - x[0], y[1] - x[1], y[2] - x[2]};
+  };
+  const auto dot = [](const Point& x, const Point& y) { return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]; };
+  const Point ab = from(a, b), ac = from(a, c);
+  const auto at = [&](long double u, long double v) {
+    Point q;
+    for (std::size_t i = 0; i < 3; ++i) q[i] = a[i] + u * ab[i] + v * ac[i];
+    return distance(p, q);
+  };
+  const long double d1 = dot(ab, from(a, p)), d2 = dot(ac, from(a, p)), d3 = dot(ab, from(b, p)),
+                    d4 = dot(ac, from(b, p)), d5 = dot(ab, from(c, p)), d6 = dot(ac, from(c, p));
+  if (d1 <= 0 && d2 <= 0) return at(0, 0);
+  if (d3 >= 0 && d4 <= d3) return at(1, 0);
+  if (d6 >= 0 && d5 <= d6) return at(0, 1);
+  const long double of_c = d1 * d4 - d3 * d2, of_b = d5 * d2 - d1 * d6, of_a = d3 * d6 - d5 * d4;
+  if (of_c <= 0 && d1 >= 0 && d3 <= 0) return at(d1 / (d1 - d3), 0);
+  if (of_b <= 0 && d2 >= 0 && d6 <= 0) return at(0, d2 / (d2 - d6));
+  if (of_a <= 0 && d4 >= d3 && d5 >= d6) {
+    const long double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return at(1 - w, w);
+  }
+  return at(of_b / (of_a + of_b + of_c), of_c / (of_a + of_b + of_c));
+}
+
+struct World {
+  std::vector<kerf_tests::Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<std::size_t> mesh_of;
+
+  // Objects under maps that turn, scale by other factors along other axes, and shear.
+  World(std::mt19937& random, std::size_t count) {
+    for (std::uint32_t seed = 1; seed < 3; ++seed)
+      meshes.push_back(kerf_tests::random_triangles(12, 0.5f, 0.3f, seed));
+    const Bvh objects[] = {build(meshes[0].mesh()), build(meshes[1].mesh())};
+    for (std::size_t i = 0; i < count; ++i) {
+      Transform m;
+      for (auto& row : m.rows) {
+        for (double& x : row) x = uniform(random, -1, 1);
+        row[3] *= 4;
+      }
+      if (i % 4 == 0) m = {{{2, 0, 0, m.rows[0][3]}, {0, 0, 2, 1}, {0, -2, 0, 3}}};
+      instances.push_back({.object = objects[i % 2], .transform = m});
+      mesh_of.push_back(i % 2);
+    }
+  }
+
+  long double distance_to(const Vec3f& point, std::uint32_t instance, std::uint32_t primitive) const {
+    const kerf_tests::Mesh& mesh = meshes[mesh_of[instance]];
+    const auto& [a, b, c] = mesh.triangles[primitive];
+    const Transform& m = instances[instance].transform;
+    return distance_to_triangle(moved({}, point), moved(m, mesh.vertices[a]), moved(m, mesh.vertices[b]),
+                                moved(m, mesh.vertices[c]));
+  }
+};
+
+TEST(ScenePoints, TheClosestIsThatOfEveryTriangleUnderScaleAndShear) {
+  std::mt19937 random(1);
+  const World world(random, 40);
+  const Scene scene = build(world.instances);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3f point = uniform_point(random, 5.0f);
+    long double least = std::numeric_limits<long double>::infinity();
+    for (std::uint32_t instance = 0; instance < world.instances.size(); ++instance) {
+      for (std::uint32_t primitive = 0; primitive < 12; ++primitive)
+        least = std::min(least, world.distance_to(point, instance, primitive));
+    }
+    const auto found = scene.closest_point(point);
+    ASSERT_TRUE(found);
+    ASSERT_NEAR(found->distance, static_cast<double>(least), 1e-6);
+    ASSERT_NEAR(static_cast<double>(world.distance_to(point, found->instance, found->primitive)),
+                static_cast<double>(least), 1e-6);
+    const Vec3f off = found->position - point;
+    ASSERT_NEAR(std::hypot(off.x, off.y, off.z), found->distance, 1e-5);
+    ASSERT_FALSE(scene.closest_point(point, 0.999f * found->distance));
+    ASSERT_TRUE(scene.closest_point(point, 1.001f * found->distance));
+    ASSERT_EQ(std::abs(scene.signed_distance(point)), found->distance);
+  }
+}
+
+TEST(ScenePoints, WithinARadiusIsEveryTriangleOnce) {
+  std::mt19937 random(2);
+  const World world(random, 30);
+  const Scene scene = build(world.instances);
+  for (int i = 0; i < 40; ++i) {
+    const Vec3f point = uniform_point(random, 4.0f);
+    const float radius = uniform(random, 0.5f, 3.0f);
+    const std::vector<ScenePoint> found = scene.within(point, radius);
+    std::size_t expected = 0;
+    for (std::uint32_t instance = 0; instance < world.instances.size(); ++instance) {
+      for (std::uint32_t primitive = 0; primitive < 12; ++primitive) {
+        const bool is_within = world.distance_to(point, instance, primitive) <= radius;
+        expected += is_within;
+        ASSERT_EQ(std::count_if(found.begin(), found.end(),
+                                [&](const ScenePoint& p) {
+                                  return p.instance == instance && p.primitive == primitive;
+                                }),
+                  is_within);
+      }
+    }
+    ASSERT_EQ(found.size(), expected);
+    ASSERT_TRUE(std::is_sorted(found.begin(), found.end(), [](const ScenePoint& a, const ScenePoint& b) {
+      return a.distance < b.distance;
+    }));
+  }
+}
+
+TEST(ScenePoints, DistancesAreNegativeInsideAnyInstance) {
+  const Bvh object = build(workbench::make_sphere(4).mesh());
+  const std::vector<Instance> instances{
+      {.object = object},
+      {.object = object, .transform = {{{3, 0, 0, 10}, {0, 3, 0, 0}, {0, 0, 3, 0}}}},
+      {.object = object, .transform = {{{0.5, 0, 0, 0}, {0, 8, 0, 20}, {0, 0, 2, 0}}}}};
+  const Scene scene = build(instances);
+  EXPECT_NEAR(scene.signed_distance({0, 0, 0}), -1, 0.01);
+  EXPECT_NEAR(scene.signed_distance({10, 0, 0}), -3, 0.03);
+  EXPECT_NEAR(scene.signed_distance({0, 20, 0}), -0.5, 0.01);
+  EXPECT_NEAR(scene.signed_distance({4, 0, 0}), 3, 0.03);
+  EXPECT_NEAR(scene.signed_distance({0, 31, 0}), 3, 0.03);
+  const std::vector<Vec3f> points{{0, 0, 0}, {4, 0, 0}, {0, 31, 0}};
+  std::vector<ScenePoint> closest(3);
+  scene.closest_point(points, closest);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(closest[i], scene.closest_point(points[i]));
+}
+
+TEST(ScenePoints, QuestionsWithoutSenseHaveNoAnswers) {
+  const Instance instance{.object = build(workbench::make_sphere(2).mesh())};
+  const Scene scene = build(std::span(&instance, 1));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(scene.closest_point({nan, 0, 0}));
+  EXPECT_FALSE(scene.closest_point({0, 0, 0}, -1.0f));
+  EXPECT_TRUE(scene.within({0, 0, 0}, nan).empty());
+  EXPECT_FALSE(Scene().closest_point({0, 0, 0}));
+  EXPECT_EQ(Scene().signed_distance({0, 0, 0}), std::numeric_limits<float>::infinity());
+}
+
+}  // namespace
+}  // namespace kerf

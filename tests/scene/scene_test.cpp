@@ -1,0 +1,356 @@
+// Scenes against their flattened meshes where transforms are exact, and elsewhere against every instance by
+// itself.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <kerf/inspect.hpp>
+#include <kerf/kerf.hpp>
+#include <kerf/scene.hpp>
+
+#include "support/adversarial.hpp"
+#include "support/build_options.hpp"
+#include "support/random_triangles.hpp"
+#include "support/targets.hpp"
+#include "workbench/generate/solids.hpp"
+
+namespace kerf {
+namespace {
+
+using adversarial::grid_point;
+using adversarial::uniform;
+using adversarial::uniform_point;
+
+Transform scaled_and_moved(double scale, const Vec3f& by) {
+  return {{{scale, 0, 0, by.x}, {0, scale, 0, by.y}, {0, 0, scale, by.z}}};
+}
+
+// Any invertible map: a turn, a scale along each axis and a shear.
+Transform any_transform(std::mt19937& random, float size) {
+  const double a = uniform(random, 0, 6), b = uniform(random, 0, 6);
+  const double ca = std::cos(a), sa = std::sin(a), cb = std::cos(b), sb = std::sin(b);
+  const double turn[3][3] = {{ca, -sa * cb, sa * sb}, {sa, ca * cb, -ca * sb}, {0, sb, cb}};
+  const double shear[3][3] = {{uniform(random, 0.3f, 2), uniform(random, -0.5f, 0.5f), 0},
+                              {0, uniform(random, 0.3f, 2), uniform(random, -0.5f, 0.5f)},
+                              {0, 0, uniform(random, 0.3f, 2)}};
+  Transform transform;
+  const Vec3f by = uniform_point(random, 4.0f * size);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      transform.rows[i][j] = 0;
+      for (int k = 0; k < 3; ++k) transform.rows[i][j] += double{size} * turn[i][k] * shear[k][j];
+    }
+    transform.rows[i][3] = by[i];
+  }
+  return transform;
+}
+
+Vec3f moved(const Transform& m, const Vec3f& p) {
+  Vec3f to;
+  for (int i = 0; i < 3; ++i)
+    to[i] = static_cast<float>(m.rows[i][0] * p.x + m.rows[i][1] * p.y + m.rows[i][2] * p.z + m.rows[i][3]);
+  return to;
+}
+
+// By Cramer's rule, in long doubles.
+Ray to_object(const Transform& transform, const Ray& ray) {
+  const auto& m = transform.rows;
+  const auto solve = [&](long double x, long double y, long double z) {
+    const long double v[3] = {x, y, z};
+    const auto det = [](const long double(&a)[3][3]) {
+      return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
+             a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
+             a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
+    };
+    long double all[3][3];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) all[i][j] = m[i][j];
+    Vec3f solution;
+    for (int j = 0; j < 3; ++j) {
+      long double replaced[3][3];
+      for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) replaced[i][k] = k == j ? v[i] : all[i][k];
+      solution[j] = static_cast<float>(det(replaced) / det(all));
+    }
+    return solution;
+  };
+  const Vec3f &o = ray.origin, &d = ray.direction;
+  return {.origin = solve(o.x - static_cast<long double>(m[0][3]), o.y - static_cast<long double>(m[1][3]),
+                          o.z - static_cast<long double>(m[2][3])),
+          .direction = solve(d.x, d.y, d.z),
+          .t_min = ray.t_min,
+          .t_max = ray.t_max};
+}
+
+SceneHit in_instance(const Hit& hit, std::uint32_t instance) {
+  return {hit.t, hit.u, hit.v, hit.primitive, hit.mesh, instance};
+}
+
+// All instances, one by one.
+std::vector<SceneHit> all_hits_one_by_one(std::span<const Instance> instances, const Ray& ray) {
+  std::vector<SceneHit> hits;
+  for (std::uint32_t i = 0; i < instances.size(); ++i) {
+    instances[i].object.all_hits(to_object(instances[i].transform, ray),
+                                 [&](const Hit& hit) { hits.push_back(in_instance(hit, i)); });
+  }
+  std::stable_sort(hits.begin(), hits.end(), [](const SceneHit& a, const SceneHit& b) { return a.t < b.t; });
+  return hits;
+}
+SceneHit closest_one_by_one(std::span<const Instance> instances, const Ray& ray, Mask mask = {}) {
+  SceneHit best;
+  for (std::uint32_t i = 0; i < instances.size(); ++i) {
+    if ((instances[i].mask.bits & mask.bits) == 0) continue;
+    const auto hit = instances[i].object.intersect(to_object(instances[i].transform, ray), mask);
+    if (hit && hit->t < best.t) best = in_instance(*hit, i);
+  }
+  return best;
+}
+
+// Where floats hold all of it, cutting a scene into instances changes nothing at all. (A mirrored object may
+// give a ray along an edge to the other triangle of that edge.)
+TEST(Scene, HitsAreThoseOfTheFlattenedMeshWhereTransformsAreExact) {
+  kerf_tests::for_each_target([](const Target&) {
+    std::mt19937 random(1);
+    const adversarial::Soup soup = adversarial::soup(40, [&] { return grid_point(random, 4); });
+    const Bvh object = build(soup.mesh(), spatial_splits_everywhere());
+    std::vector<Instance> instances;
+    std::vector<Triangle> flat;
+    for (std::uint32_t i = 0; i < 30; ++i) {
+      const double scale = std::ldexp(1.0, static_cast<int>(random() % 4) - 2);
+      instances.push_back({.object = object, .transform = scaled_and_moved(scale, grid_point(random, 12))});
+      for (const Triangle& t : soup.triangles) {
+        const Transform& m = instances.back().transform;
+        flat.push_back({moved(m, t.v0), moved(m, t.v1), moved(m, t.v2)});
+      }
+    }
+    const Scene scene = build(instances);
+    const adversarial::Soup flattened(flat);
+    const Bvh bvh = build(flattened.mesh());
+    const auto in_scene = [&](const Hit& hit) {
+      const auto count = static_cast<std::uint32_t>(soup.triangles.size());
+      return SceneHit{hit.t, hit.u, hit.v, hit.primitive % count, 0, hit.primitive / count};
+    };
+    for (int i = 0; i < 400; ++i) {
+      Ray ray{.origin = grid_point(random, 16), .direction = grid_point(random, 3)};
+      if (ray.direction == Vec3f{}) continue;
+      if (i % 5 == 0) ray.t_max = 4.0f;
+      const auto expected = bvh.intersect(ray);
+      const auto hit = scene.intersect(ray);
+      ASSERT_EQ(hit.has_value(), expected.has_value());
+      if (hit) {
+        ASSERT_EQ(*hit, in_scene(*expected));
+      }
+      ASSERT_EQ(scene.occluded(ray), expected.has_value());
+      std::vector<SceneHit> hits, expected_hits;
+      scene.all_hits(ray, [&](const SceneHit& each) { hits.push_back(each); });
+      bvh.all_hits(ray, [&](const Hit& each) { expected_hits.push_back(in_scene(each)); });
+      ASSERT_EQ(hits, expected_hits);
+      ASSERT_EQ(scene.count_hits(ray), hits.size());
+      ASSERT_EQ(scene.contains(ray.origin), bvh.contains(ray.origin));
+    }
+  });
+}
+
+TEST(Scene, HitsAreTheClosestOfAllInstancesUnderAnyTransform) {
+  kerf_tests::for_each_target([](const Target&) {
+    std::mt19937 random(2);
+    const Bvh objects[] = {build(kerf_tests::random_triangles(60, 0.5f, 0.3f).mesh()),
+                           build(workbench::make_sphere(3).mesh()), Bvh()};
+    for (const float size : {1.0f, 1e-6f, 1e6f}) {
+      std::vector<Instance> instances;
+      for (std::uint32_t i = 0; i < 60; ++i)
+        instances.push_back({.object = objects[i % 3], .transform = any_transform(random, size)});
+      const Scene scene = build(instances);
+      for (int i = 0; i < 300; ++i) {
+        Ray ray{.origin = uniform_point(random, 5.0f * size), .direction = uniform_point(random, 1.0f)};
+        if (i % 3 == 0) {  // through a vertex of some instance
+          const Instance& instance = instances[3 * (random() % 20) + 1];
+          const auto triangle = instance.object.triangle({static_cast<std::uint32_t>(random() % 500), 0});
+          ray.direction = moved(instance.transform, triangle->v0) - ray.origin;
+        }
+        if (i % 7 == 0) ray.direction[i % 3] = 0.0f;
+        const auto hit = scene.intersect(ray);
+        ASSERT_EQ(hit.value_or(SceneHit{}), closest_one_by_one(instances, ray));
+        ASSERT_EQ(scene.occluded(ray), hit.has_value());
+        std::vector<SceneHit> hits;
+        scene.all_hits(ray, [&](const SceneHit& each) { hits.push_back(each); });
+        ASSERT_EQ(hits, all_hits_one_by_one(instances, ray));
+      }
+    }
+  });
+}
+
+TEST(Scene, ClosedObjectsAreWatertightWhereverTheyStand) {
+  const workbench::Solid sphere = workbench::make_sphere(3);
+  const Bvh object = build(sphere.mesh(), spatial_splits_everywhere());
+  std::mt19937 random(3);
+  for (int round = 0; round < 20; ++round) {
+    const Transform transform = any_transform(random, 1.0f);
+    const Instance instance{.object = object, .transform = transform};
+    const Scene scene = build(std::span(&instance, 1));
+    const Vec3f middle = moved(transform, {0, 0, 0});
+    ASSERT_TRUE(scene.contains(middle));
+    ASSERT_FALSE(scene.contains(middle + Vec3f{10, 0, 0}));
+    for (const Vec3f& vertex : sphere.vertices) {
+      const Ray out{.origin = middle, .direction = moved(transform, vertex) - middle};
+      ASSERT_TRUE(scene.occluded(out));
+      ASSERT_EQ(scene.count_hits(out) % 2, 1u);
+      const Ray in{.origin = middle + 7.0f * out.direction, .direction = -1.0f * out.direction};
+      ASSERT_EQ(scene.count_hits(in) % 2, 0u);
+      ASSERT_TRUE(scene.occluded(in));
+    }
+  }
+}
+
+// A direction in an object's space may be too long or too short for floats; its length means nothing.
+TEST(Scene, HitsDoNotDependOnHowLongADirectionBecomes) {
+  const Bvh object = build(workbench::make_sphere(3).mesh());
+  for (const int exponent : {-60, 0, 60}) {
+    const double size = std::ldexp(1.0, exponent);
+    const Instance instance{.object = object, .transform = scaled_and_moved(size, {0, 0, 0})};
+    const Scene scene = build(std::span(&instance, 1));
+    const Vec3f from{static_cast<float>(-3 * size), static_cast<float>(0.1 * size),
+                     static_cast<float>(0.2 * size)};
+    const auto expected = object.intersect({.origin = {-3, 0.1f, 0.2f}, .direction = {1, 0.03f, 0.01f}});
+    for (const int length : {-60, 0, 60}) {
+      const float unit = std::ldexp(1.0f, length);
+      const Ray ray{.origin = from, .direction = {unit, 0.03f * unit, 0.01f * unit}};
+      const auto hit = scene.intersect(ray);
+      ASSERT_TRUE(hit) << exponent << ' ' << length;
+      EXPECT_NEAR(hit->t / std::ldexp(expected->t, exponent - length), 1.0, 1e-6);
+      EXPECT_EQ(hit->primitive, expected->primitive);
+      EXPECT_TRUE(scene.occluded(ray));
+      EXPECT_EQ(scene.count_hits(ray), 2u);
+      Ray shorter = ray;
+      shorter.t_max = 0.99f * hit->t;
+      EXPECT_FALSE(scene.occluded(shorter));
+      EXPECT_FALSE(scene.intersect(shorter));
+    }
+  }
+}
+
+TEST(Scene, RaysSeeInstancesAndMeshesThatTheyShareABitWith) {
+  const workbench::Solid sphere = workbench::make_sphere(2);
+  TriangleMesh inner = sphere.mesh(), outer = sphere.mesh();
+  workbench::Solid large = sphere;
+  for (Vec3f& v : large.vertices) v = v * 2.0f;
+  outer = large.mesh();
+  inner.mask = {1};
+  outer.mask = {2};
+  const Bvh object = build(std::array{inner, outer});
+  std::vector<Instance> instances;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const Vec3f by{6.0f * static_cast<float>(i), 0, 0};
+    instances.push_back(
+        {.object = object, .transform = scaled_and_moved(1, by), .mask = {i}, .number = 100 + i});
+  }
+  const Scene scene = build(instances);
+  std::vector<Ray> rays;
+  std::vector<std::uint32_t> masks;
+  for (std::uint32_t bits = 0; bits < 4; ++bits) {
+    for (const float x : {-9.0f, 3.0f, 9.0f, 15.0f}) {
+      const Ray ray{.origin = {x, 0.1f, 0.2f}, .direction = {1, 0, 0}};
+      const SceneHit expected = closest_one_by_one(instances, ray, {bits});
+      EXPECT_EQ(scene.intersect(ray, Mask{bits}).value_or(SceneHit{}), expected);
+      EXPECT_EQ(scene.occluded(ray, Mask{bits}), bool(expected));
+      rays.push_back(ray);
+      masks.push_back(bits);
+    }
+  }
+  RayView view = rays;
+  view.mask = {masks.data()};
+  std::vector<SceneHit> hits(rays.size());
+  std::vector<char> occluded(rays.size());
+  scene.intersect(view, hits);
+  scene.occluded(view, occluded);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    EXPECT_EQ(hits[i], closest_one_by_one(instances, rays[i], {masks[i]}));
+    EXPECT_EQ(occluded[i] != 0, bool(hits[i]));
+  }
+  EXPECT_EQ(scene.instances()[2].number, 102u);
+}
+
+TEST(Scene, ManyRaysAndPointsAreAnsweredAsOneByOne) {
+  std::mt19937 random(6);
+  const Bvh object = build(workbench::make_torus(20, 10).mesh());
+  std::vector<Instance> instances;
+  for (int i = 0; i < 3000; ++i) {
+    Transform transform = any_transform(random, 1.0f);
+    for (auto& row : transform.rows) row[3] *= 10.0;
+    instances.push_back({.object = object, .transform = transform});
+  }
+  const Scene scene = build(instances), on_one_thread = build(instances, {.threads = 1});
+  std::vector<Ray> rays;
+  std::vector<Vec3f> points;
+  for (int i = 0; i < 3000; ++i) {
+    points.push_back(uniform_point(random, 40.0f));
+    rays.push_back({.origin = points.back(), .direction = uniform_point(random, 1.0f)});
+  }
+  std::vector<SceneHit> hits(rays.size());
+  std::vector<char> occluded(rays.size()), inside(rays.size());
+  scene.intersect(rays, hits);
+  scene.occluded(rays, occluded);
+  scene.contains(points, inside);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_EQ(hits[i], on_one_thread.intersect(rays[i]).value_or(SceneHit{}));
+    ASSERT_EQ(occluded[i] != 0, bool(hits[i]));
+    ASSERT_EQ(inside[i] != 0, scene.contains(points[i]));
+  }
+  hits.pop_back();
+  EXPECT_THROW(scene.intersect(rays, hits), Error);
+}
+
+TEST(Scene, TheOrderOfEqualHitsIsThatOfInstances) {
+  const Bvh object = build(workbench::make_sphere(2).mesh());
+  const std::vector<Instance> instances(5, Instance{.object = object});
+  const Scene scene = build(instances);
+  const Ray ray{.origin = {-3, 0.1f, 0.2f}, .direction = {1, 0, 0}};
+  EXPECT_EQ(scene.intersect(ray)->instance, 0u);
+  std::uint32_t next = 0;
+  scene.all_hits(ray, [&](const SceneHit& hit) {
+    EXPECT_EQ(hit.instance, next++ % 5);
+    return next < 8;
+  });
+  EXPECT_EQ(next, 8u);
+}
+
+TEST(Scene, ScenesOfNothingAreMissed) {
+  Scene empty = build(std::span<const Instance>());
+  const Instance nothing{};
+  for (const Scene& scene : {Scene(), empty, build(std::span(&nothing, 1))}) {
+    EXPECT_FALSE(scene.intersect({.origin = {0, 0, 0}, .direction = {1, 0, 0}}));
+    EXPECT_FALSE(scene.occluded({.origin = {0, 0, 0}, .direction = {1, 0, 0}}));
+    EXPECT_FALSE(scene.contains({0, 0, 0}));
+    EXPECT_TRUE(scene.bounds().empty());
+  }
+  const Scene moved_to = std::move(empty);
+  EXPECT_EQ(moved_to.instances().size(), 0u);
+}
+
+TEST(Scene, TransformsThatCannotBeInvertedAreRefusedByTheirNumber) {
+  const Bvh object = build(workbench::make_sphere(1).mesh());
+  const auto refusal = [&](const Transform& transform) -> std::string {
+    const Instance instances[] = {{.object = object}, {.object = object, .transform = transform}};
+    try {
+      build(instances);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::invalid_argument);
+      return error.what();
+    }
+    return {};
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(refusal({{{1, 0, 0, nan}, {0, 1, 0, 0}, {0, 0, 1, 0}}}).find("instance 1"), std::string::npos);
+  EXPECT_NE(refusal({{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 0, 0}}}), "");
+  EXPECT_NE(refusal({{{1, 1, 0, 0}, {1, 1, 0, 0}, {0, 0, 1, 0}}}), "");
+  EXPECT_NE(refusal({{{1, 0, 0, 1e300}, {0, 1, 0, 0}, {0, 0, 1, 0}}}), "");
+  EXPECT_NE(refusal({{{1e300, 0, 0, 0}, {0, 1e300, 0, 0}, {0, 0, 1e300, 0}}}), "");
+  EXPECT_EQ(refusal({{{1e-12, 0, 0, 0}, {0, 1e12, 0, 0}, {0, 0, 1, 5}}}), "");
+}
+
+}  // namespace
+}  // namespace kerf
