@@ -22,13 +22,7 @@
 
 namespace kerf {
 
-/// An object at a place in a scene.
-struct Instance {
-  Bvh object;                ///< shared with all other handles: nothing of it is copied
-  Transform transform = {};  ///< from the object's (local) coordinates to the scene; invertible, see `build`
-  Mask mask = {};            ///< rays that are traced with a `Mask` see it if they share a bit
-  std::uint32_t number = 0;  ///< the caller's own, which kerf only keeps
-};
+struct Instance;
 
 /// Where a ray crosses a triangle of an instance. As `Hit`, and
 struct SceneHit {
@@ -37,7 +31,7 @@ struct SceneHit {
   float v = 0.0f;                                    ///< weight of v2
   std::uint32_t primitive = invalid_id;              ///< number of the triangle within its mesh
   std::uint32_t mesh = invalid_id;                   ///< number of the mesh within the object
-  std::uint32_t instance = invalid_id;               ///< number of the instance in the order given to `build`
+  std::uint32_t instance = invalid_id;               ///< number of the instance, see `Scene::path`
 
   /// True for a hit, false for the value that the span calls write for a miss.
   constexpr explicit operator bool() const { return instance != invalid_id; }
@@ -53,7 +47,7 @@ struct ScenePoint {
   float v = 0.0f;                                           ///< weight of v2
   std::uint32_t primitive = invalid_id;                     ///< number of the triangle within its mesh
   std::uint32_t mesh = invalid_id;                          ///< number of the mesh within the object
-  std::uint32_t instance = invalid_id;  ///< number of the instance in the order given to `build`
+  std::uint32_t instance = invalid_id;                      ///< number of the instance, see `Scene::path`
 
   /// True for a point, false for the value that calls for many points write where there is none.
   constexpr explicit operator bool() const { return instance != invalid_id; }
@@ -77,6 +71,7 @@ struct KERF_API SceneStructure;  // what a `Scene` holds: private to the library
 /// largest coordinate of the object's box, measured in the scene, and K the condition of the transform, which
 /// is 1 where axes go to axes and at most 3 for a turn (docs/algorithms.md). A ray that meets an edge within
 /// this may hit the other triangle of the edge than in a mesh of all instances. The same is true of points.
+/// Where scenes stand in scenes, each level rounds so, and what it moves is moved on by those above it.
 class KERF_API Scene {
  public:
   /// A scene of nothing, which every ray misses.
@@ -99,7 +94,7 @@ class KERF_API Scene {
   /// True if anything is hit in `[ray.t_min, ray.t_max]`.
   bool occluded(const Ray& ray) const;
 
-  /// The closest hit of an instance and a mesh which the ray sees both.
+  /// The closest hit of an instance and a mesh which the ray sees both, and with it all scenes around them.
   std::optional<SceneHit> intersect(const Ray& ray, Mask mask) const;
 
   /// True if a mesh is hit which the ray sees, of an instance that it sees.
@@ -164,6 +159,15 @@ class KERF_API Scene {
   /// The instances that were given to `build`. Valid as long as this handle or a copy of it.
   std::span<const Instance> instances() const;
 
+  /// How many instances there are, those of scenes at places counted at each: hits number them 0 to this. As
+  /// many as `instances()` where no scene stands in this one.
+  std::uint32_t instance_count() const;
+
+  /// Which instance the number in a hit or a point stands for: its place in `instances()`, then that in the
+  /// scene there, down to an object. One number where no scene stands in this one. Throws
+  /// `Error::invalid_argument` for a number that is not below `instance_count`, and `Error::out_of_memory`.
+  std::vector<std::uint32_t> path(std::uint32_t instance) const;
+
   /// A box around all instances; empty for a scene of nothing.
   Box3f bounds() const;
 
@@ -178,11 +182,25 @@ class KERF_API Scene {
   std::shared_ptr<const SceneStructure> structure_;
 };
 
+/// An object, or a scene of such, at a place in a scene.
+struct Instance {
+  Bvh object = {};           ///< shared with all other handles: nothing of it is copied
+  Scene scene = {};          ///< stands here if it has instances; `object` must be of nothing then
+  Transform transform = {};  ///< from the (local) coordinates of the object; invertible, see `build`
+  Mask mask = {};            ///< rays that are traced with a `Mask` see it if they share a bit
+  std::uint32_t number = 0;  ///< the caller's own, which kerf only keeps
+};
+
+/// Scenes may stand in scenes up to this deep; one of objects alone is one level.
+inline constexpr unsigned max_scene_levels = 8;
+
 /// Builds a scene. Objects of nothing are allowed. Of the options, `threads` counts. Throws
-/// `Error::invalid_argument` for a transform with a number that is not finite, or that flattens its object so
-/// much that it cannot be inverted in double precision (the sum of the absolute values in a row of the
-/// product of |transform| and |inverse| must be below 2^20), or that moves it to coordinates of 2^126 or
-/// more; `Error::too_large` for 2^28 instances and more; and `Error::out_of_memory`.
+/// `Error::invalid_argument` for an instance with an object and a scene, and for a transform with a number
+/// that is not finite, or that flattens its object so much that it cannot be inverted in double precision
+/// (the sum of the absolute values in a row of the product of |transform| and |inverse|, times that of the
+/// levels below it, must be below 2^20), or that moves it to coordinates of 2^126 or more; `Error::too_large`
+/// for 2^28 instances and more, 2^32 - 1 with those of scenes, and more than `max_scene_levels`; and
+/// `Error::out_of_memory`.
 KERF_API Scene build(std::span<const Instance> instances, const BuildOptions& options = {});
 
 }  // namespace kerf

@@ -25,6 +25,9 @@ struct MovedRay {
   Ray ray;
   double unit = 1.0;  ///< by which a t of it is multiplied to one in the scene: a power of two
 
+  /// A ray that has not been moved.
+  explicit MovedRay(const Ray& scene_ray) : ray(scene_ray) {}
+
   MovedRay(const Ray& scene_ray, const Vec3f& origin, const double (&direction)[3])
       : ray{.origin = origin, .direction = {}, .t_min = scene_ray.t_min, .t_max = scene_ray.t_max} {
     // Above, and above 0, the digits of a float are all there.
@@ -93,17 +96,18 @@ class Placement {
         high += std::max(a, b);
         size += std::abs(row[j]) * (std::abs(center_[j]) + std::max(std::abs(lower), std::abs(upper)));
       }
-      const double margin =
-          0x1p-16 * size + 0x1p-46 * (std::abs(row[3]) + size) + std::numeric_limits<float>::min();
-      constexpr float infinity = std::numeric_limits<float>::infinity();
-      box.lower[i] = std::nextafter(static_cast<float>(low - margin), -infinity);
-      box.upper[i] = std::nextafter(static_cast<float>(high + margin), infinity);
+      // The last two are for the rounding here, to a float at last.
+      const double margin = 0x1p-16 * size + 0x1p-46 * (std::abs(row[3]) + size) +
+                            0x1p-23 * std::max(std::abs(low), std::abs(high)) +
+                            std::numeric_limits<float>::min();
+      box.lower[i] = static_cast<float>(low - margin);
+      box.upper[i] = static_cast<float>(high + margin);
     }
     return box;
   }
 
-  /// At least by how much the inverse map makes a distance longer at most: the largest singular value of
-  /// M^-1.
+  /// At least by how much the inverse map makes a distance longer at most, the largest singular value of
+  /// M^-1, and no more than 1.04 times that.
   double largest_stretch() const { return stretch_; }
 
   /// By how much less `to_object(point)` may lie off the exact place, in the object.
@@ -144,27 +148,27 @@ class Placement {
     stretch_ = static_cast<float>(largest_singular_value(inverse_));
   }
 
-  // The root of the largest eigenvalue of A A^T, by the roots of its characteristic polynomial (Smith 1961,
-  // "Eigenvalues of a symmetric 3 x 3 matrix"), and a little more than rounding takes from it.
+  // S = A A^T has the square of it as its largest eigenvalue, and S^8 the sixteenth power. The largest sum of
+  // a row of a symmetric matrix is at least that of the eigenvalues, and at most the square root of 3 times
+  // that: 3^(1/32) = 1.035.
   static double largest_singular_value(const double (&a)[3][3]) {
-    double s[3][3];
-    for (int i = 0; i < 3; ++i)
+    double s[3][3], trace = 0.0;
+    for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) s[i][j] = a[i][0] * a[j][0] + a[i][1] * a[j][1] + a[i][2] * a[j][2];
-    const double mean = (s[0][0] + s[1][1] + s[2][2]) / 3.0;
-    const double off = s[0][1] * s[0][1] + s[0][2] * s[0][2] + s[1][2] * s[1][2];
-    double p = 2.0 * off;
-    for (int i = 0; i < 3; ++i) p += (s[i][i] - mean) * (s[i][i] - mean);
-    p = std::sqrt(p / 6.0);
-    double largest = mean;
-    if (p > 1e-12 * mean) {
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) s[i][j] = (s[i][j] - (i == j ? mean : 0.0)) / p;
-      const double half = 0.5 * (s[0][0] * (s[1][1] * s[2][2] - s[1][2] * s[2][1]) -
-                                 s[0][1] * (s[1][0] * s[2][2] - s[1][2] * s[2][0]) +
-                                 s[0][2] * (s[1][0] * s[2][1] - s[1][1] * s[2][0]));
-      largest = mean + 2.0 * p * std::cos(std::acos(std::clamp(half, -1.0, 1.0)) / 3.0);
+      trace += s[i][i];
     }
-    return std::sqrt(largest) * (1.0 + 1e-6);
+    for (auto& row : s)
+      for (double& x : row) x /= trace;  // the largest eigenvalue is one in [1/3, 1] now
+    for (int squaring = 0; squaring < 3; ++squaring) {
+      double squared[3][3];
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) squared[i][j] = s[i][0] * s[0][j] + s[i][1] * s[1][j] + s[i][2] * s[2][j];
+      std::copy(&squared[0][0], &squared[0][0] + 9, &s[0][0]);
+    }
+    double largest = 0.0;
+    for (const auto& row : s)
+      largest = std::max(largest, std::abs(row[0]) + std::abs(row[1]) + std::abs(row[2]));
+    return std::sqrt(trace * std::sqrt(std::sqrt(std::sqrt(largest)))) * (1.0 + 1e-6);
   }
 
   double inverse_[3][3], at_[3];
@@ -172,13 +176,16 @@ class Placement {
   float stretch_ = 0.0f;
 };
 
-/// By how much boxes in the scene have to be grown, in units of 2^-24 of the distance D from the ray's origin
-/// to the far side of the scene, so that no instance with this condition is missed. An object's kernels may
-/// report a hit beside its box by the margin of `RayBoxes`, 164 units of a distance of up to D times |M^-1|
-/// in the object's space, and |M| times that in the scene. The rounding of origin and direction adds 2 units
-/// each. What grows with the object and not with D is in `Placement::box`.
-inline double ray_margin(double condition) {
-  return 176.0 * condition;
+/// By how much less than this kernels report a hit beside the box of an object, see `RayBoxes`, in units of
+/// 2^-24 of the distance D from the ray's origin to the far side of the scene.
+inline constexpr double object_margin = 164.0;
+
+/// By how much boxes in a scene have to be grown so that no place with this condition is missed, where what
+/// stands there may be hit beside its box by `margin_inside`. That margin is one of a distance of up to D
+/// times |M^-1| in the object's space, and |M| times that in the scene. The rounding of origin and direction
+/// adds 2 units each. What grows with the object and not with D is in `Placement::box`.
+inline double ray_margin(double condition, double margin_inside) {
+  return (margin_inside + 12.0) * condition;
 }
 
 }  // namespace kerf

@@ -1,6 +1,7 @@
 // What a `Scene` holds.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -21,18 +22,46 @@ namespace kerf {
 
 struct SceneStructure {
   /// What a ray reads of an instance: two cache lines.
-  struct alignas(64) Place {
-    Placement placement;
-    const Structure* object;  ///< not empty
-    std::uint32_t number;     ///< of the instance
-  };
-  static_assert(sizeof(Place) == 128);
+  class alignas(64) Place {
+   public:
+    Place(const Placement& to, const Instance& instance, std::uint32_t number)
+        : placement(to), number(number), mask(instance.mask.bits) {
+      const void* const inside = instance.scene.instances().empty()
+                                     ? static_cast<const void*>(&Structure::of(instance.object))
+                                     : &SceneStructure::of(instance.scene);
+      inside_ = reinterpret_cast<std::uintptr_t>(inside) | (instance.scene.instances().empty() ? 0u : 1u);
+    }
 
-  std::vector<Instance> instances;    ///< as given: they keep the objects
-  UninitializedVector<Place> places;  ///< of those whose objects are not empty, in the order of leaves
+    Placement placement;
+    std::uint32_t number;  ///< of the instance, or of the first instance of the scene that stands here
+    std::uint32_t mask;    ///< the bits
+
+    bool has_scene() const { return (inside_ & 1) != 0; }
+    const Structure& object() const { return *reinterpret_cast<const Structure*>(inside_); }
+    const SceneStructure& scene() const { return *reinterpret_cast<const SceneStructure*>(inside_ - 1); }
+
+   private:
+    std::uintptr_t inside_;  // the address of one of them; the lowest bit is set for a scene
+  };
+  static_assert(sizeof(Place) == 128 && alignof(Structure) > 1);
+
+  std::vector<Instance> instances;     ///< as given: they keep the objects
+  std::vector<std::uint32_t> numbers;  ///< the first of each instance; none if they are 0, 1, 2...
+  std::uint32_t instance_count = 0;    ///< with those of scenes
+  unsigned levels = 1;
+  UninitializedVector<Place> places;  ///< of those that are not empty, in the order of leaves
   WideBvh top;                        ///< its leaves are places
-  float margin = 0.0f;                ///< for `visit_leaves`
+  double condition = 1.0;             ///< the worst, those of all levels multiplied
+  double margin = 0.0;                ///< for `visit_leaves`
   Target target{};
+
+  /// Which of `instances` the number stands in.
+  std::uint32_t index_of(std::uint32_t number) const {
+    if (numbers.empty()) return number;
+    const auto above = std::upper_bound(numbers.begin(), numbers.end(), number);
+    return static_cast<std::uint32_t>(above - numbers.begin()) - 1;
+  }
+  const Instance& instance_of(const Place& place) const { return instances[index_of(place.number)]; }
 
   static const SceneStructure& of(const Scene& scene) { return *scene.structure_; }
   static Scene share(std::shared_ptr<const SceneStructure> structure) { return Scene(std::move(structure)); }
@@ -40,22 +69,49 @@ struct SceneStructure {
 
 inline constexpr float end_of_ray = -std::numeric_limits<float>::infinity();
 
-/// Calls `visit(place)` with the places of a scene that the ray may meet, the nearest boxes first. It returns
-/// the t up to which the ray goes on, or `end_of_ray`.
+/// What a ray meets: an instance's object, and itself there.
+struct MetObject {
+  const SceneStructure& scene;         ///< in which the instance stands
+  const SceneStructure::Place& place;  ///< of the instance; never of a scene
+  const MovedRay& ray;                 ///< its t_max is the limit
+  std::uint32_t number;                ///< of the instance, counted over all levels
+
+  const Structure& object() const { return place.object(); }
+  const Bvh& bvh() const { return scene.instance_of(place).object; }
+};
+
+/// Calls `visit(met)` with the objects of a scene that the ray may meet, the nearest boxes first, but for
+/// those of places that share no bit with the mask if there is one. It returns the t up to which the ray goes
+/// on, in the outermost scene, or `end_of_ray`. `limit` is the last of them.
 template <class Visit>
-void visit_places(const SceneStructure& scene, const Ray& ray, Visit&& visit) {
+void visit_objects(const SceneStructure& scene, const MovedRay& ray, std::uint32_t first, const Mask* mask,
+                   float& limit, const Visit& visit) {
   if (scene.top.empty()) return;
   auto visit_leaf = [&](ChildLink leaf) {
-    float limit = end_of_ray;
     for (std::uint32_t i = leaf.first(); i < leaf.first() + leaf.count(); ++i) {
-      limit = visit(scene.places[i]);
-      if (limit == end_of_ray) break;
+      const SceneStructure::Place& place = scene.places[i];
+      if (mask != nullptr && (place.mask & mask->bits) == 0) continue;
+      MovedRay local = place.placement.to_object(ray.ray);
+      local.unit *= ray.unit;
+      local.ray.t_max = local.in_object(limit);
+      if (place.has_scene()) {
+        visit_objects(place.scene(), local, first + place.number, mask, limit, visit);
+      } else {
+        limit = visit(MetObject{scene, place, local, first + place.number});
+      }
+      if (limit == end_of_ray) return end_of_ray;
     }
-    return limit;
+    return ray.in_object(limit);
   };
   using VisitLeaf = decltype(visit_leaf);
-  visit_leaves(scene.target, scene.top, ray, scene.margin, &visit_leaf,
+  visit_leaves(scene.target, scene.top, ray.ray, static_cast<float>(scene.margin), &visit_leaf,
                [](void* visitor, ChildLink leaf) { return (*static_cast<VisitLeaf*>(visitor))(leaf); });
+}
+
+template <class Visit>
+void visit_objects(const SceneStructure& scene, const Ray& ray, const Mask* mask, const Visit& visit) {
+  float limit = ray.t_max;
+  visit_objects(scene, MovedRay(ray), 0, mask, limit, visit);
 }
 
 }  // namespace kerf

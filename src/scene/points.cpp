@@ -87,21 +87,43 @@ bool is_nearer(const Found& a, const Found& b) {
   return key(a) < key(b);
 }
 
+// The squared distance in an object's space within which all lies that is within `squared_reach` in the
+// scene.
+double reach_in_object(const Placement& placement, const Vec3f& local, double squared_reach) {
+  const double reach =
+      std::sqrt(squared_reach) * placement.largest_stretch() + 2.0 * placement.rounding_of(local);
+  return reach * reach * (1.0 + 1e-12);
+}
+
+// The map that is `first` followed by `second`.
+Transform followed(const Transform& first, const Transform& second) {
+  Transform both;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      both.rows[i][j] = j == 3 ? second.rows[i][3] : 0.0;
+      for (int k = 0; k < 3; ++k) both.rows[i][j] += second.rows[i][k] * first.rows[k][j];
+    }
+  }
+  return both;
+}
+
 // The triangles of one instance.
 class InstancePoints {
  public:
-  InstancePoints(const SceneStructure& scene, std::uint32_t place, const Vec3f& point)
-      : place_(scene.places[place]),
-        number_(place_.number),
-        transform_(scene.instances[number_].transform),
-        local_(place_.placement.to_object(point)),
+  InstancePoints(const Structure& object, std::uint32_t number, const Transform& transform,
+                 const Placement& placement, const Vec3f& point)
+      : object_(object),
+        number_(number),
+        transform_(transform),
+        placement_(placement),
+        local_(placement.to_object(point)),
         point_{point.x, point.y, point.z} {}
 
   // The triangle that is closest to the point in the object, which need not be in the scene.
   bool find_one(double squared_reach, Found& found) const {
     NearTriangle near;
-    if (!is_finite(local_) || !place_.object->kernels->closest_triangle(place_.object->wide, local_,
-                                                                        in_object(squared_reach), near))
+    if (!is_finite(local_) ||
+        !object_.kernels->closest_triangle(object_.wide, local_, in_object(squared_reach), near))
       return false;
     found = in_scene(near);
     return true;
@@ -111,7 +133,7 @@ class InstancePoints {
   void append(double squared_reach, std::vector<Found>& all) const {
     if (!is_finite(local_)) return;
     std::vector<NearTriangle> near;
-    place_.object->kernels->triangles_within(place_.object->wide, local_, in_object(squared_reach), near);
+    object_.kernels->triangles_within(object_.wide, local_, in_object(squared_reach), near);
     for (const NearTriangle& triangle : near) {
       const Found found = in_scene(triangle);
       if (found.squared_distance <= squared_reach) all.push_back(found);
@@ -119,20 +141,14 @@ class InstancePoints {
   }
 
  private:
-  // The squared distance in the object within which all lies that is within `squared_reach` in the scene.
-  double in_object(double squared_reach) const {
-    const double reach = std::sqrt(squared_reach) * place_.placement.largest_stretch() +
-                         2.0 * place_.placement.rounding_of(local_);
-    return reach * reach * (1.0 + 1e-12);
-  }
+  double in_object(double squared_reach) const { return reach_in_object(placement_, local_, squared_reach); }
 
   Found in_scene(const NearTriangle& near) const {
-    const Structure& object = *place_.object;
-    const Triangle t = triangle_in(object.wide, near.leaf, near.place);
+    const Triangle t = triangle_in(object_.wide, near.leaf, near.place);
     const std::array<Double3, 3> corner{moved(transform_, t.v0), moved(transform_, t.v1),
                                         moved(transform_, t.v2)};
     const auto [squared_distance, u, v] = closest_on(corner, point_);
-    const PrimitiveId id = locate(object, near.id);
+    const PrimitiveId id = locate(object_, near.id);
     Found found{squared_distance, {}};
     for (std::size_t i = 0; i < 3; ++i) {
       found.point.position[static_cast<int>(i)] =
@@ -147,9 +163,10 @@ class InstancePoints {
     return found;
   }
 
-  const SceneStructure::Place& place_;
+  const Structure& object_;
   const std::uint32_t number_;
   const Transform& transform_;
+  const Placement& placement_;
   const Vec3f local_;
   const Double3 point_;
 };
@@ -166,7 +183,7 @@ void visit_near_places(const SceneStructure& scene, const Vec3f& point, const Re
       const ChildLink link(waiting.top().second);
       waiting.pop();
       if (link.is_leaf()) {
-        for (std::uint32_t i = link.first(); i < link.first() + link.count(); ++i) visit(i);
+        for (std::uint32_t i = link.first(); i < link.first() + link.count(); ++i) visit(scene.places[i]);
         continue;
       }
       const auto& node = scene.top.nodes<WideNode<width>>()[link.node()];
@@ -180,18 +197,47 @@ void visit_near_places(const SceneStructure& scene, const Vec3f& point, const Re
   });
 }
 
-bool has_sense(const SceneStructure& scene, const Vec3f& point, float distance) {
-  return is_finite(point) && distance >= 0.0f && !scene.top.empty();
+// Calls `visit(instance)` for the instances that may be within `reach()`, a squared distance from the point,
+// of all levels. `transform` is the way from this scene to the outermost one; null for that itself.
+template <class Reach, class Visit>
+void visit_near_instances(const SceneStructure& scene, const Transform* transform, std::uint32_t first,
+                          const Vec3f& point, const Reach& reach, const Visit& visit) {
+  if (scene.top.empty()) return;
+  const auto visit_inside = [&](const SceneStructure::Place& place) {
+    const Transform& inner = scene.instance_of(place).transform;
+    const Transform whole = transform == nullptr ? inner : followed(inner, *transform);
+    const std::uint32_t number = first + place.number;
+    if (place.has_scene()) {
+      visit_near_instances(place.scene(), &whole, number, point, reach, visit);
+    } else if (transform == nullptr) {
+      visit(InstancePoints(place.object(), number, whole, place.placement, point));
+    } else {
+      const Placement placement(whole, place.object().wide.bounds);
+      visit(InstancePoints(place.object(), number, whole, placement, point));
+    }
+  };
+  if (transform == nullptr) {
+    visit_near_places(scene, point, reach, visit_inside);
+    return;
+  }
+  const Placement placement(*transform, scene.top.bounds);
+  const Vec3f local = placement.to_object(point);
+  if (!is_finite(local)) return;
+  visit_near_places(
+      scene, local, [&] { return reach_in_object(placement, local, reach()); }, visit_inside);
+}
+
+bool has_sense(const Vec3f& point, float distance) {
+  return is_finite(point) && distance >= 0.0f;
 }
 
 ScenePoint closest(const SceneStructure& scene, const Vec3f& point, float max_distance) {
-  if (!has_sense(scene, point, max_distance)) return {};
+  if (!has_sense(point, max_distance)) return {};
   Found best{static_cast<double>(max_distance) * max_distance, {}};
   std::vector<Found> all;
-  visit_near_places(
-      scene, point, [&] { return best.squared_distance; },
-      [&](std::uint32_t place) {
-        const InstancePoints instance(scene, place, point);
+  visit_near_instances(
+      scene, nullptr, 0, point, [&] { return best.squared_distance; },
+      [&](const InstancePoints& instance) {
         Found found;
         if (!instance.find_one(best.squared_distance, found)) return;
         // With this one's distance as the limit, few others are left to be compared.
@@ -205,12 +251,12 @@ ScenePoint closest(const SceneStructure& scene, const Vec3f& point, float max_di
 
 std::vector<ScenePoint> all_within(const SceneStructure& scene, const Vec3f& point, float radius) {
   std::vector<ScenePoint> points;
-  if (!has_sense(scene, point, radius)) return points;
+  if (!has_sense(point, radius)) return points;
   const double reach = static_cast<double>(radius) * radius;
   std::vector<Found> all;
-  visit_near_places(
-      scene, point, [&] { return reach; },
-      [&](std::uint32_t place) { InstancePoints(scene, place, point).append(reach, all); });
+  visit_near_instances(
+      scene, nullptr, 0, point, [&] { return reach; },
+      [&](const InstancePoints& instance) { instance.append(reach, all); });
   std::sort(all.begin(), all.end(), is_nearer);
   for (const Found& found : all)
     if (points.empty() || points.back() != found.point) points.push_back(found.point);

@@ -27,16 +27,14 @@ SceneHit closest_hit(const SceneStructure& scene, const Ray& ray) {
   std::uint32_t instance = invalid_id;
   const Structure* object = nullptr;
   best.t = ray.t_max;
-  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
-    MovedRay local = place.placement.to_object(ray);
-    local.ray.t_max = local.in_object(best.t);
+  visit_objects(scene, ray, nullptr, [&](const MetObject& met) {
     Hit hit;
-    place.object->kernels->closest(place.object->wide, local.ray, hit);
-    hit.t = local.in_scene(hit.t);
-    if (hit && (hit.t < best.t || place.number < instance)) {
+    met.object().kernels->closest(met.object().wide, met.ray.ray, hit);
+    hit.t = met.ray.in_scene(hit.t);
+    if (hit && (hit.t < best.t || met.number < instance)) {
       best = hit;
-      instance = place.number;
-      object = place.object;
+      instance = met.number;
+      object = &met.object();
     }
     return best.t;
   });
@@ -46,16 +44,12 @@ SceneHit closest_hit(const SceneStructure& scene, const Ray& ray) {
 SceneHit closest_seen(const SceneStructure& scene, const Ray& ray, Mask mask) {
   SceneHit best;
   best.t = ray.t_max;
-  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
-    const Instance& instance = scene.instances[place.number];
-    if ((instance.mask.bits & mask.bits) == 0) return best.t;
-    MovedRay local = place.placement.to_object(ray);
-    local.ray.t_max = local.in_object(best.t);
-    const auto hit = instance.object.intersect(local.ray, mask);
+  visit_objects(scene, ray, &mask, [&](const MetObject& met) {
+    const auto hit = met.bvh().intersect(met.ray.ray, mask);
     if (!hit) return best.t;
-    const float t = local.in_scene(hit->t);
-    if (t < best.t || place.number < best.instance)
-      best = {t, hit->u, hit->v, hit->primitive, hit->mesh, place.number};
+    const float t = met.ray.in_scene(hit->t);
+    if (t < best.t || met.number < best.instance)
+      best = {t, hit->u, hit->v, hit->primitive, hit->mesh, met.number};
     return best.t;
   });
   return best ? best : SceneHit{};
@@ -63,8 +57,8 @@ SceneHit closest_seen(const SceneStructure& scene, const Ray& ray, Mask mask) {
 
 bool any_hit(const SceneStructure& scene, const Ray& ray) {
   bool found = false;
-  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
-    found = place.object->kernels->any(place.object->wide, place.placement.to_object(ray).ray);
+  visit_objects(scene, ray, nullptr, [&](const MetObject& met) {
+    found = met.object().kernels->any(met.object().wide, met.ray.ray);
     return found ? end_of_ray : ray.t_max;
   });
   return found;
@@ -72,10 +66,8 @@ bool any_hit(const SceneStructure& scene, const Ray& ray) {
 
 bool any_seen(const SceneStructure& scene, const Ray& ray, Mask mask) {
   bool found = false;
-  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
-    const Instance& instance = scene.instances[place.number];
-    found = (instance.mask.bits & mask.bits) != 0 &&
-            instance.object.occluded(place.placement.to_object(ray).ray, mask);
+  visit_objects(scene, ray, &mask, [&](const MetObject& met) {
+    found = met.bvh().occluded(met.ray.ray, mask);
     return found ? end_of_ray : ray.t_max;
   });
   return found;
@@ -89,8 +81,8 @@ bool is_earlier(const SceneHit& a, const SceneHit& b) {
 
 std::size_t count_all(const SceneStructure& scene, const Ray& ray) {
   std::size_t count = 0;
-  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
-    count += place.object->kernels->count_crossings(place.object->wide, place.placement.to_object(ray).ray);
+  visit_objects(scene, ray, nullptr, [&](const MetObject& met) {
+    count += met.object().kernels->count_crossings(met.object().wide, met.ray.ray);
     return ray.t_max;
   });
   return count;
@@ -104,15 +96,15 @@ bool holds(const SceneStructure& scene, const Vec3f& point) {
   const Ray ray{.origin = point, .direction = oblique};
   std::size_t crossings = 0;
   bool on = false;
-  visit_places(scene, ray, [&](const SceneStructure::Place& place) {
-    const Ray local = place.placement.to_object(ray).ray;
-    const Structure& object = *place.object;
-    if (!intersect(object.wide.bounds, {local.origin, local.origin}).empty() &&
-        object.kernels->side_of(object.wide, local.origin) == Side::on) {
+  visit_objects(scene, ray, nullptr, [&](const MetObject& met) {
+    const Vec3f& local = met.ray.ray.origin;
+    const Structure& object = met.object();
+    if (!intersect(object.wide.bounds, {local, local}).empty() &&
+        object.kernels->side_of(object.wide, local) == Side::on) {
       on = true;
       return end_of_ray;
     }
-    crossings += object.kernels->count_crossings(object.wide, local);
+    crossings += object.kernels->count_crossings(object.wide, met.ray.ray);
     return ray.t_max;
   });
   return on || crossings % 2 == 1;
@@ -159,10 +151,9 @@ std::vector<SceneHit> Scene::list_hits(const Ray& ray) const {
   const PlainFloatingPoint plain;
   return report_out_of_memory([&] {
     std::vector<SceneHit> hits;
-    visit_places(*structure_, ray, [&](const SceneStructure::Place& place) {
-      const MovedRay local = place.placement.to_object(ray);
-      structure_->instances[place.number].object.all_hits(local.ray, [&](const Hit& hit) {
-        hits.push_back({local.in_scene(hit.t), hit.u, hit.v, hit.primitive, hit.mesh, place.number});
+    visit_objects(*structure_, ray, nullptr, [&](const MetObject& met) {
+      met.bvh().all_hits(met.ray.ray, [&](const Hit& hit) {
+        hits.push_back({met.ray.in_scene(hit.t), hit.u, hit.v, hit.primitive, hit.mesh, met.number});
       });
       return ray.t_max;
     });

@@ -37,17 +37,48 @@ bool is_finite(const Transform& transform) {
   return true;
 }
 
-// An instance whose object is not empty.
+bool has_scene(const Instance& instance) {
+  return !instance.scene.instances().empty();
+}
+
+// What stands at the place of an instance.
+struct Inside {
+  Box3f bounds;
+  double condition, margin;  // of levels below
+
+  explicit Inside(const Instance& instance) {
+    if (has_scene(instance)) {
+      const SceneStructure& scene = SceneStructure::of(instance.scene);
+      bounds = scene.top.bounds;
+      condition = scene.condition;
+      margin = scene.margin;
+    } else {
+      bounds = Structure::of(instance.object).wide.bounds;
+      condition = 1.0;
+      margin = object_margin;
+    }
+  }
+};
+
+bool has_something(const Instance& instance) {
+  return !(has_scene(instance) ? SceneStructure::of(instance.scene).top.empty()
+                               : Structure::of(instance.object).wide.empty());
+}
+
+// An instance that is not empty, with its box in the scene.
 struct Candidate {
   SceneStructure::Place place;
   Box3f box;
-  double condition;
+  double condition, margin;
 
-  Candidate(const Instance& instance, std::uint32_t number)
-      : place{Placement(instance.transform, Structure::of(instance.object).wide.bounds),
-              &Structure::of(instance.object), number},
-        box(place.placement.box(instance.transform, place.object->wide.bounds)),
-        condition(place.placement.condition(instance.transform)) {}
+  Candidate(const Instance& instance, std::uint32_t number) : Candidate(instance, number, Inside(instance)) {}
+  Candidate(const Instance& instance, std::uint32_t number, const Inside& inside)
+      : place(Placement(instance.transform, inside.bounds), instance, number),
+        box(place.placement.box(instance.transform, inside.bounds)) {
+    const double here = place.placement.condition(instance.transform);
+    condition = here * inside.condition;
+    margin = ray_margin(here, inside.margin);
+  }
 
   bool is_in_range() const {
     return condition < Placement::max_condition && kerf::is_in_range(box.lower) &&
@@ -58,10 +89,13 @@ struct Candidate {
 // Throws for the first of the instances that is refused.
 void check(std::span<const Instance> instances) {
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
-    if (!is_finite(instances[i].transform))
+    const Instance& instance = instances[i];
+    if (has_scene(instance) && !Structure::of(instance.object).wide.empty())
+      raise(Error::invalid_argument, "instance %u has an object and a scene", i);
+    if (!is_finite(instance.transform))
       raise(Error::invalid_argument, "the transform of instance %u has a number that is not finite", i);
-    if (Structure::of(instances[i].object).wide.empty()) continue;
-    const Candidate candidate(instances[i], i);
+    if (!has_something(instance)) continue;
+    const Candidate candidate(instance, i);
     if (!(candidate.condition < Placement::max_condition)) {
       raise(Error::invalid_argument,
             "the transform of instance %u flattens its object, so that it cannot be inverted", i);
@@ -74,6 +108,28 @@ void check(std::span<const Instance> instances) {
   }
 }
 
+// Numbers the instances, those of scenes at each place.
+void number_instances(SceneStructure& scene) {
+  std::uint64_t count = 0;
+  const std::vector<Instance>& instances = scene.instances;
+  if (std::none_of(instances.begin(), instances.end(), has_scene)) {
+    scene.instance_count = static_cast<std::uint32_t>(instances.size());
+    return;
+  }
+  scene.numbers.reserve(instances.size());
+  for (const Instance& instance : instances) {
+    scene.numbers.push_back(static_cast<std::uint32_t>(count));
+    const bool nested = has_scene(instance);
+    count += nested ? SceneStructure::of(instance.scene).instance_count : 1;
+    if (count >= invalid_id)
+      raise(Error::too_large, "with those of scenes in it, a scene has 2^32 - 1 instances or more");
+    if (nested) scene.levels = std::max(scene.levels, SceneStructure::of(instance.scene).levels + 1);
+  }
+  if (scene.levels > max_scene_levels)
+    raise(Error::too_large, "%u levels of scenes are more than %u", scene.levels, max_scene_levels);
+  scene.instance_count = static_cast<std::uint32_t>(count);
+}
+
 constexpr std::size_t instances_per_block = 1024;
 
 std::shared_ptr<const SceneStructure> build_structure(std::span<const Instance> instances,
@@ -84,34 +140,42 @@ std::shared_ptr<const SceneStructure> build_structure(std::span<const Instance> 
   auto scene = std::make_shared<SceneStructure>();
   scene->instances.assign(instances.begin(), instances.end());
   scene->target = choose_target();
+  number_instances(*scene);
 
-  std::vector<std::uint32_t> numbers;  // of the instances that are not empty
-  numbers.reserve(instances.size());
+  std::vector<std::uint32_t> present;  // the instances that are not empty
+  present.reserve(instances.size());
   for (std::uint32_t i = 0; i < instances.size(); ++i)
-    if (!Structure::of(instances[i].object).wide.empty()) numbers.push_back(i);
-  UninitializedVector<SceneStructure::Place> places(numbers.size());
-  std::vector<Reference> references(numbers.size());
-  std::atomic<bool> all_in_range = true;
-  const std::size_t blocks = (instances.size() + instances_per_block - 1) / instances_per_block;
-  std::vector<double> conditions(blocks, 1.0);
-  parallel_for(blocks, [&](std::size_t block) {
-    const std::size_t begin = block * instances_per_block;
-    for (std::size_t i = begin; i < std::min(begin + instances_per_block, instances.size()); ++i)
-      if (!is_finite(instances[i].transform)) all_in_range = false;
-    for (std::size_t i = begin; i < std::min(begin + instances_per_block, numbers.size()); ++i) {
-      const Candidate candidate(instances[numbers[i]], numbers[i]);
-      if (!candidate.is_in_range()) {
-        all_in_range = false;
-        return;
-      }
+    if (has_something(instances[i])) present.push_back(i);
+  UninitializedVector<SceneStructure::Place> places(present.size());
+  std::vector<Reference> references(present.size());
+  std::atomic<bool> all_right = true;
+  struct Worst {
+    double condition = 1.0, margin = 0.0;
+  };
+  std::vector<Worst> worst((instances.size() + instances_per_block - 1) / instances_per_block);
+  parallel_for(worst.size(), [&](std::size_t block) {
+    const std::size_t begin = block * instances_per_block, end = begin + instances_per_block;
+    for (std::size_t i = begin; i < std::min(end, instances.size()); ++i) {
+      const Instance& instance = instances[i];
+      if (!is_finite(instance.transform) ||
+          (has_scene(instance) && !Structure::of(instance.object).wide.empty()))
+        all_right = false;
+    }
+    for (std::size_t i = begin; i < std::min(end, present.size()); ++i) {
+      const std::uint32_t index = present[i];
+      const Candidate candidate(instances[index], scene->numbers.empty() ? index : scene->numbers[index]);
+      if (!candidate.is_in_range()) all_right = false;
       places[i] = candidate.place;
       references[i] = Reference(candidate.box, static_cast<std::uint32_t>(i));
-      conditions[block] = std::max(conditions[block], candidate.condition);
+      worst[block].condition = std::max(worst[block].condition, candidate.condition);
+      worst[block].margin = std::max(worst[block].margin, candidate.margin);
     }
   });
-  if (!all_in_range) check(instances);
-  scene->margin = static_cast<float>(
-      ray_margin(blocks == 0 ? 1.0 : *std::max_element(conditions.begin(), conditions.end())));
+  if (!all_right) check(instances);
+  for (const Worst& of_block : worst) {
+    scene->condition = std::max(scene->condition, of_block.condition);
+    scene->margin = std::max(scene->margin, of_block.margin);
+  }
 
   BuildOptions object_splits = options;
   object_splits.max_leaf_size = 1;
@@ -138,13 +202,33 @@ Scene& Scene::operator=(Scene&& other) noexcept {
 std::span<const Instance> Scene::instances() const {
   return structure_->instances;
 }
+std::uint32_t Scene::instance_count() const {
+  return structure_->instance_count;
+}
+std::vector<std::uint32_t> Scene::path(std::uint32_t instance) const {
+  if (instance >= structure_->instance_count) {
+    raise(Error::invalid_argument, "instance %u is not below the number of instances, %u", instance,
+          structure_->instance_count);
+  }
+  return report_out_of_memory([&] {
+    std::vector<std::uint32_t> path;
+    for (const SceneStructure* scene = structure_.get();;) {
+      const std::uint32_t index = scene->index_of(instance);
+      path.push_back(index);
+      const Scene& inside = scene->instances[index].scene;
+      if (inside.instances().empty()) return path;
+      instance -= scene->numbers[index];
+      scene = &SceneStructure::of(inside);
+    }
+  });
+}
 Box3f Scene::bounds() const {
   return structure_->top.bounds;
 }
 std::size_t Scene::bytes() const {
   const SceneStructure& scene = *structure_;
   return scene.instances.size() * sizeof(Instance) + scene.places.size() * sizeof(SceneStructure::Place) +
-         scene.top.node_bytes();
+         scene.numbers.size() * sizeof(std::uint32_t) + scene.top.node_bytes();
 }
 
 Scene build(std::span<const Instance> instances, const BuildOptions& options) {

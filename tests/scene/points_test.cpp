@@ -145,6 +145,37 @@ TEST(ScenePoints, WithinARadiusIsEveryTriangleOnce) {
   }
 }
 
+TEST(ScenePoints, DistancesInScenesOfScenesAreThoseOfOneLevel) {
+  std::mt19937 random(3);
+  const World inner(random, 12), outer(random, 8);
+  std::vector<Instance> nested, flat;
+  for (std::size_t i = 0; i < outer.instances.size(); ++i) {
+    const Transform& m = outer.instances[i].transform;
+    nested.push_back({.scene = build(inner.instances), .transform = m});
+    for (const Instance& instance : inner.instances) {
+      flat.push_back(instance);
+      const Transform& n = instance.transform;
+      for (std::size_t row = 0; row < 3; ++row) {
+        for (std::size_t column = 0; column < 4; ++column) {
+          double& x = flat.back().transform.rows[row][column];
+          x = column == 3 ? m.rows[row][3] : 0;
+          for (std::size_t k = 0; k < 3; ++k) x += m.rows[row][k] * n.rows[k][column];
+        }
+      }
+    }
+  }
+  const Scene scene = build(nested), one_level = build(flat);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3f point = uniform_point(random, 8.0f);
+    const auto found = scene.closest_point(point), expected = one_level.closest_point(point);
+    ASSERT_TRUE(found && expected);
+    ASSERT_NEAR(found->distance, expected->distance, 1e-5);
+    ASSERT_EQ(found->instance, expected->instance);
+    ASSERT_EQ(found->primitive, expected->primitive);
+    ASSERT_EQ(scene.within(point, 1.0f).size(), one_level.within(point, 1.0f).size());
+  }
+}
+
 TEST(ScenePoints, DistancesAreNegativeInsideAnyInstance) {
   const Bvh object = build(workbench::make_sphere(4).mesh());
   const std::vector<Instance> instances{

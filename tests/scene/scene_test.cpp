@@ -2,9 +2,13 @@
 // itself.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <iostream>
 #include <limits>
 #include <optional>
 #include <random>
+#include <span>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,8 +16,10 @@
 #include <kerf/kerf.hpp>
 #include <kerf/scene.hpp>
 
+#include "base/parallel.hpp"
 #include "support/adversarial.hpp"
 #include "support/build_options.hpp"
+#include "support/instrumented.hpp"
 #include "support/random_triangles.hpp"
 #include "support/targets.hpp"
 #include "workbench/generate/solids.hpp"
@@ -184,25 +190,71 @@ TEST(Scene, HitsAreTheClosestOfAllInstancesUnderAnyTransform) {
   });
 }
 
-TEST(Scene, ClosedObjectsAreWatertightWhereverTheyStand) {
-  const workbench::Solid sphere = workbench::make_sphere(3);
+// Rays through the vertices and edges of closed objects, from their middle and from outside of all.
+struct Leaks {
+  std::size_t rays = 0, leaks = 0, parity_errors = 0;
+};
+void aim_at(const workbench::Solid& solid, const Scene& scene, const std::vector<Transform>& transforms,
+            std::size_t rays, std::mt19937& random, Leaks& leaks) {
+  const auto in_scene = [&](Vec3f p) {
+    for (auto transform = transforms.rbegin(); transform != transforms.rend(); ++transform)
+      p = moved(*transform, p);
+    return p;
+  };
+  const Vec3f middle = in_scene({0, 0, 0});
+  for (std::size_t i = 0; i < rays; ++i) {
+    const auto& triangle = solid.triangles[random() % solid.triangles.size()];
+    const Vec3f a = solid.vertices[triangle[0]], b = solid.vertices[triangle[1]];
+    const Vec3f at = in_scene(a + uniform(random, 0, 1) * static_cast<float>(random() % 2) * (b - a));
+    const Ray out{.origin = middle, .direction = at - middle};
+    const Ray in{.origin = middle + 7.0f * out.direction, .direction = -1.0f * out.direction};
+    leaks.leaks += !scene.intersect(out) || !scene.occluded(in);
+    leaks.parity_errors += scene.count_hits(out) % 2 != 1 || scene.count_hits(in) % 2 != 0;
+    ++leaks.rays;
+  }
+}
+
+// KERF_RAYS=10000000 is the longer run of CONTRIBUTING.md.
+TEST(Scene, NothingLeaksThroughInstancesNestedOrRefitted) {
+  const char* const wanted = std::getenv("KERF_RAYS");
+  const std::size_t rays = wanted ? std::strtoull(wanted, nullptr, 10) : test::reduced(24000);
+  workbench::Solid bent = workbench::make_sphere(3);
+  const workbench::Solid sphere = bent;
   const Bvh object = build(sphere.mesh(), spatial_splits_everywhere());
-  std::mt19937 random(3);
-  for (int round = 0; round < 20; ++round) {
-    const Transform transform = any_transform(random, 1.0f);
-    const Instance instance{.object = object, .transform = transform};
-    const Scene scene = build(std::span(&instance, 1));
-    const Vec3f middle = moved(transform, {0, 0, 0});
-    ASSERT_TRUE(scene.contains(middle));
-    ASSERT_FALSE(scene.contains(middle + Vec3f{10, 0, 0}));
-    for (const Vec3f& vertex : sphere.vertices) {
-      const Ray out{.origin = middle, .direction = moved(transform, vertex) - middle};
-      ASSERT_TRUE(scene.occluded(out));
-      ASSERT_EQ(scene.count_hits(out) % 2, 1u);
-      const Ray in{.origin = middle + 7.0f * out.direction, .direction = -1.0f * out.direction};
-      ASSERT_EQ(scene.count_hits(in) % 2, 0u);
-      ASSERT_TRUE(scene.occluded(in));
+  for (Vec3f& v : bent.vertices) v = v * (1.0f + 0.2f * v.x * v.y) + Vec3f{0, 0, 0.1f * v.x * v.x};
+  Bvh refitted = object;
+  ASSERT_FALSE(refit(refitted, bent.mesh()).rebuilt);
+
+  constexpr std::uint32_t seeds = 48;
+  std::vector<Leaks> found(seeds);
+  parallel_for(seeds, [&](std::uint32_t seed) {
+    std::mt19937 random(seed);
+    const bool is_refitted = seed % 2 == 1;
+    std::vector<Transform> transforms;
+    Scene scene;
+    for (std::uint32_t level = 0; level < 1 + seed % 3; ++level) {
+      Instance instance{.transform = any_transform(random, std::exp(uniform(random, -5, 5)))};
+      if (level == 0) {
+        instance.object = is_refitted ? refitted : object;
+      } else {
+        instance.scene = scene;
+      }
+      scene = build(std::span(&instance, 1));
+      transforms.insert(transforms.begin(), instance.transform);
     }
+    aim_at(is_refitted ? bent : sphere, scene, transforms, rays / seeds, random, found[seed]);
+  });
+  Leaks all;
+  for (const Leaks& some : found) {
+    all.rays += some.rays;
+    all.leaks += some.leaks;
+    all.parity_errors += some.parity_errors;
+  }
+  EXPECT_EQ(all.leaks, 0u);
+  EXPECT_EQ(all.parity_errors, 0u);
+  if (wanted) {
+    std::cout << all.rays << " rays out and as many in, " << all.leaks << " leaks, " << all.parity_errors
+              << " parity errors\n";
   }
 }
 
@@ -231,6 +283,91 @@ TEST(Scene, HitsDoNotDependOnHowLongADirectionBecomes) {
       EXPECT_FALSE(scene.intersect(shorter));
     }
   }
+}
+
+// What stands in scenes in scenes, as (path, object, the transforms from the outside to the inside).
+struct Leaf {
+  std::vector<std::uint32_t> path;
+  Bvh object;
+  std::vector<Transform> transforms;
+  std::vector<std::uint32_t> masks;
+
+  bool is_seen(Mask mask) const {
+    return std::all_of(masks.begin(), masks.end(),
+                       [&](std::uint32_t bits) { return (bits & mask.bits) != 0; });
+  }
+};
+void append_leaves(const Scene& scene, const Leaf& above, std::vector<Leaf>& leaves) {
+  for (std::uint32_t i = 0; i < scene.instances().size(); ++i) {
+    const Instance& instance = scene.instances()[i];
+    Leaf leaf = above;
+    leaf.path.push_back(i);
+    leaf.transforms.push_back(instance.transform);
+    leaf.masks.push_back(instance.mask.bits);
+    leaf.object = instance.object;
+    if (instance.scene.instances().empty()) {
+      leaves.push_back(leaf);
+    } else {
+      append_leaves(instance.scene, leaf, leaves);
+    }
+  }
+}
+
+// A scene of objects, of scenes of objects, and of scenes of these, and things of nothing among them.
+Scene scene_of_scenes(std::mt19937& random, const Bvh& object) {
+  std::vector<Instance> inner, middle, outer;
+  for (std::uint32_t i = 0; i < 7; ++i)
+    inner.push_back({.object = i == 3 ? Bvh() : object, .transform = any_transform(random, 1), .mask = {i}});
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    middle.push_back({.object = object, .transform = any_transform(random, 2), .mask = {~i}});
+    if (i % 2 == 1) middle.back() = {.scene = build(inner), .transform = any_transform(random, 2)};
+  }
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    outer.push_back({.object = object, .transform = any_transform(random, 8)});
+    if (i % 3 == 1)
+      outer.back() = {.scene = build(middle), .transform = any_transform(random, 1), .number = i};
+    if (i % 3 == 2)
+      outer.back() = {.scene = build(inner), .transform = any_transform(random, 2), .mask = {3}};
+  }
+  return build(outer);
+}
+
+TEST(Scene, ScenesStandInScenesAndHitsNameThePath) {
+  kerf_tests::for_each_target([](const Target&) {
+    std::mt19937 random(8);
+    const Bvh object = build(workbench::make_sphere(2).mesh());
+    const Scene scene = scene_of_scenes(random, object);
+    std::vector<Leaf> leaves;
+    append_leaves(scene, {}, leaves);
+    ASSERT_EQ(scene.instance_count(), leaves.size());
+    for (std::uint32_t i = 0; i < leaves.size(); ++i) ASSERT_EQ(scene.path(i), leaves[i].path);
+    for (int i = 0; i < 300; ++i) {
+      const Ray ray{.origin = uniform_point(random, 30), .direction = uniform_point(random, 1)};
+      const Mask mask{static_cast<std::uint32_t>(random() % 8)};
+      SceneHit closest, seen;
+      std::vector<SceneHit> all;
+      for (std::uint32_t k = 0; k < leaves.size(); ++k) {
+        Ray local = ray;
+        for (const Transform& transform : leaves[k].transforms) local = to_object(transform, local);
+        leaves[k].object.all_hits(local, [&](const Hit& hit) {
+          all.push_back(in_instance(hit, k));
+          if (hit.t < closest.t) closest = all.back();
+          if (leaves[k].is_seen(mask) && hit.t < seen.t) seen = all.back();
+        });
+      }
+      std::stable_sort(all.begin(), all.end(),
+                       [](const SceneHit& a, const SceneHit& b) { return a.t < b.t; });
+      std::vector<SceneHit> hits;
+      scene.all_hits(ray, [&](const SceneHit& each) { hits.push_back(each); });
+      ASSERT_EQ(hits, all);
+      ASSERT_EQ(scene.count_hits(ray), all.size());
+      ASSERT_EQ(scene.contains(ray.origin), all.size() % 2 == 1);
+      ASSERT_EQ(scene.intersect(ray).value_or(SceneHit{}), closest);
+      ASSERT_EQ(scene.occluded(ray), bool(closest));
+      ASSERT_EQ(scene.intersect(ray, mask).value_or(SceneHit{}), seen);
+      ASSERT_EQ(scene.occluded(ray, mask), bool(seen));
+    }
+  });
 }
 
 TEST(Scene, RaysSeeInstancesAndMeshesThatTheyShareABitWith) {
@@ -350,6 +487,40 @@ TEST(Scene, TransformsThatCannotBeInvertedAreRefusedByTheirNumber) {
   EXPECT_NE(refusal({{{1, 0, 0, 1e300}, {0, 1, 0, 0}, {0, 0, 1, 0}}}), "");
   EXPECT_NE(refusal({{{1e300, 0, 0, 0}, {0, 1e300, 0, 0}, {0, 0, 1e300, 0}}}), "");
   EXPECT_EQ(refusal({{{1e-12, 0, 0, 0}, {0, 1e12, 0, 0}, {0, 0, 1, 5}}}), "");
+}
+
+TEST(Scene, WhatCannotStandAtAPlaceIsRefusedByName) {
+  const auto refusal = [](const auto& call) -> std::string {
+    try {
+      call();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  Instance instance{.object = build(workbench::make_sphere(1).mesh())};
+  Scene scene = build(std::span(&instance, 1));
+  Instance both = instance;
+  both.scene = scene;
+  EXPECT_EQ(refusal([&] { build(std::span(&both, 1)); }), "instance 0 has an object and a scene");
+  EXPECT_EQ(refusal([&] { (void)scene.path(1); }), "instance 1 is not below the number of instances, 1");
+  for (unsigned level = 2; level <= max_scene_levels; ++level) {
+    const Instance nested{.scene = scene};
+    scene = build(std::span(&nested, 1));
+  }
+  EXPECT_TRUE(scene.intersect({.origin = {-3, 0.1f, 0.2f}, .direction = {1, 0, 0}}));
+  EXPECT_EQ(scene.path(0), std::vector<std::uint32_t>(max_scene_levels, 0));
+  const Instance nested{.scene = scene};
+  EXPECT_EQ(refusal([&] { build(std::span(&nested, 1)); }), "9 levels of scenes are more than 8");
+  // 200^5 instances are more than 2^32.
+  std::vector<Instance> many(200, instance);
+  EXPECT_NE(refusal([&] {
+              for (int level = 0; level < 5; ++level) {
+                const Scene wide = build(many);
+                many.assign(200, Instance{.scene = wide});
+              }
+            }),
+            "");
 }
 
 }  // namespace
