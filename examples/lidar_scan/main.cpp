@@ -89,9 +89,11 @@ int main() {
     const kerf::Hit& hit = hits[i];
     // Distances on a logarithmic scale, from 5 m to the range; directions have length 1, so that t is in
     // metres.
-    const float near = std::log(hit.t / 5.0f) / std::log(range / 5.0f);
-    const int shade = near <= 0.0f ? 0 : static_cast<int>(near * 7.99f);
-    std::putchar(!hit ? ' ' : hit.mesh == 1 ? 'I' : shades[shade]);
+    const auto shade = [&] {
+      const float far = std::log(hit.t / 5.0f) / std::log(range / 5.0f);
+      return far <= 0.0f ? 0 : static_cast<int>(far * 7.99f);
+    };
+    std::putchar(!hit ? ' ' : hit.mesh == 1 ? 'I' : shades[shade()]);
     if (i % columns == columns - 1) std::putchar('\n');
   }
 }
