@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "support/adversarial.hpp"
+#include "support/instrumented.hpp"
 
 namespace kerf {
 namespace {
@@ -48,7 +49,7 @@ long double moved(const Transform& transform, int i, const Vec3f& origin, const 
 // Half a unit in the last place of the origin and of the direction, as docs/algorithms.md has it.
 TEST(Placement, ARayIsMovedByNoMoreThanItsRounding) {
   std::mt19937 random(1);
-  for (int i = 0; i < 20000; ++i) {
+  for (std::size_t i = 0; i < test::reduced(20000); ++i) {
     const auto [transform, bounds] = any_placed(random);
     const Placement placement(transform, bounds);
     const Box3f box = placement.box(transform, bounds);

@@ -10,6 +10,7 @@
 #include <kerf/scene.hpp>
 
 #include "support/adversarial.hpp"
+#include "support/instrumented.hpp"
 #include "support/random_triangles.hpp"
 #include "workbench/generate/solids.hpp"
 
@@ -98,7 +99,7 @@ TEST(ScenePoints, TheClosestIsThatOfEveryTriangleUnderScaleAndShear) {
   std::mt19937 random(1);
   const World world(random, 40);
   const Scene scene = build(world.instances);
-  for (int i = 0; i < 100; ++i) {
+  for (std::size_t i = 0; i < test::reduced(100); ++i) {
     const Vec3f point = uniform_point(random, 5.0f);
     long double least = std::numeric_limits<long double>::infinity();
     for (std::uint32_t instance = 0; instance < world.instances.size(); ++instance) {
@@ -122,7 +123,7 @@ TEST(ScenePoints, WithinARadiusIsEveryTriangleOnce) {
   std::mt19937 random(2);
   const World world(random, 30);
   const Scene scene = build(world.instances);
-  for (int i = 0; i < 40; ++i) {
+  for (std::size_t i = 0; i < test::reduced(40); ++i) {
     const Vec3f point = uniform_point(random, 4.0f);
     const float radius = uniform(random, 0.5f, 3.0f);
     const std::vector<ScenePoint> found = scene.within(point, radius);
@@ -165,7 +166,7 @@ TEST(ScenePoints, DistancesInScenesOfScenesAreThoseOfOneLevel) {
     }
   }
   const Scene scene = build(nested), one_level = build(flat);
-  for (int i = 0; i < 200; ++i) {
+  for (std::size_t i = 0; i < test::reduced(200); ++i) {
     const Vec3f point = uniform_point(random, 8.0f);
     const auto found = scene.closest_point(point), expected = one_level.closest_point(point);
     ASSERT_TRUE(found && expected);

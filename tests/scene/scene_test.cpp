@@ -140,7 +140,7 @@ TEST(Scene, HitsAreThoseOfTheFlattenedMeshWhereTransformsAreExact) {
       const auto count = static_cast<std::uint32_t>(soup.triangles.size());
       return SceneHit{hit.t, hit.u, hit.v, hit.primitive % count, 0, hit.primitive / count};
     };
-    for (int i = 0; i < 400; ++i) {
+    for (std::size_t i = 0; i < test::reduced(400); ++i) {
       Ray ray{.origin = grid_point(random, 16), .direction = grid_point(random, 3)};
       if (ray.direction == Vec3f{}) continue;
       if (i % 5 == 0) ray.t_max = 4.0f;
@@ -171,14 +171,14 @@ TEST(Scene, HitsAreTheClosestOfAllInstancesUnderAnyTransform) {
       for (std::uint32_t i = 0; i < 60; ++i)
         instances.push_back({.object = objects[i % 3], .transform = any_transform(random, size)});
       const Scene scene = build(instances);
-      for (int i = 0; i < 300; ++i) {
+      for (std::size_t i = 0; i < test::reduced(300); ++i) {
         Ray ray{.origin = uniform_point(random, 5.0f * size), .direction = uniform_point(random, 1.0f)};
         if (i % 3 == 0) {  // through a vertex of some instance
           const Instance& instance = instances[3 * (random() % 20) + 1];
           const auto triangle = instance.object.triangle({static_cast<std::uint32_t>(random() % 500), 0});
           ray.direction = moved(instance.transform, triangle->v0) - ray.origin;
         }
-        if (i % 7 == 0) ray.direction[i % 3] = 0.0f;
+        if (i % 7 == 0) ray.direction[static_cast<int>(i % 3)] = 0.0f;
         const auto hit = scene.intersect(ray);
         ASSERT_EQ(hit.value_or(SceneHit{}), closest_one_by_one(instances, ray));
         ASSERT_EQ(scene.occluded(ray), hit.has_value());
@@ -341,7 +341,7 @@ TEST(Scene, ScenesStandInScenesAndHitsNameThePath) {
     append_leaves(scene, {}, leaves);
     ASSERT_EQ(scene.instance_count(), leaves.size());
     for (std::uint32_t i = 0; i < leaves.size(); ++i) ASSERT_EQ(scene.path(i), leaves[i].path);
-    for (int i = 0; i < 300; ++i) {
+    for (std::size_t i = 0; i < test::reduced(300); ++i) {
       const Ray ray{.origin = uniform_point(random, 30), .direction = uniform_point(random, 1)};
       const Mask mask{static_cast<std::uint32_t>(random() % 8)};
       SceneHit closest, seen;
