@@ -63,15 +63,6 @@ inline double error_in_ulps(float t, const Number& truth) {
   return std::abs(Number((number(t) - truth) / ulp).convert_to<double>());
 }
 
-/// The t at which a line crosses the plane of a triangle; nothing for a line that never does.
-inline std::optional<Number> cross_plane(const kerf::Vec3f& origin, const kerf::Vec3f& direction,
-                                         const kerf::Triangle& triangle) {
-  const Vector a = vector(triangle.v0), n = cross(vector(triangle.v1) - a, vector(triangle.v2) - a);
-  const Number slope = dot(n, vector(direction));
-  if (slope == 0) return std::nullopt;
-  return Number(dot(n, a - vector(origin)) / slope);
-}
-
 /// By the plane's equation and barycentric coordinates as ratios of areas.
 inline Crossing cross_line(const kerf::Vec3f& origin, const kerf::Vec3f& direction,
                            const kerf::Triangle& triangle) {
