@@ -92,6 +92,9 @@ double surface_area_cost(const Tree& tree) {
   return measured(tree, [](const BinaryTree& binary, const Geometry&) { return surface_area_cost(binary); });
 }
 double end_point_overlap(const Tree& tree) {
+  return estimate_end_point_overlap(tree).value;
+}
+Estimate estimate_end_point_overlap(const Tree& tree) {
   return measured(tree, [](const BinaryTree& binary, const Geometry& geometry) {
     return end_point_overlap(binary, geometry);
   });

@@ -69,10 +69,23 @@ KERF_API double surface_area_cost(const Tree& tree);
 /// where cost is 1.2 for an inner node and 1.0 per reference for a leaf, and the surface S is that of all
 /// triangles that the tree references. A triangle belongs to a subtree if any leaf under it references the
 /// triangle. 0 for an empty tree. All cores.
+///
+/// Where so many boxes lie over one another that n triangles would take the square of n, as many of them as a
+/// multiple of n log n allows stand for all; `estimate_end_point_overlap` says how well.
 KERF_API double end_point_overlap(const Tree& tree);
 
+/// A number, and the standard error with which it stands for the exact one.
+struct Estimate {
+  double value = 0.0;
+  double standard_error = 0.0;  ///< 0: the value is exact
+};
+
+/// The same measure, with what sampling may have taken from it.
+KERF_API Estimate estimate_end_point_overlap(const Tree& tree);
+
 /// Leaf count variability (Aila et al. 2013, section 5): the standard deviation of the number of leaves whose
-/// boxes a line through the root's box meets, over 2^16 lines that are the same on each run. All cores.
+/// boxes a line through the root's box meets, over 2^16 lines that are the same on each run. Over fewer, 64
+/// or more, where these would meet more than 2^28 nodes. All cores.
 KERF_API double leaf_count_variability(const Tree& tree);
 
 /// The same traversal as `Bvh::intersect`, which adds to `counters` what it did.

@@ -17,6 +17,11 @@ namespace {
 // The standard error of a deviation falls with the square root of the count: 2^16 lines leave under 0.5 %.
 constexpr std::uint32_t line_count = 1u << 16;
 
+// Lines are traced in rounds of doubling size until that many, or until they have met so many nodes: a line
+// meets all of them where everything lies over one another. Beginnings of the sequence are sequences, too.
+constexpr std::uint32_t first_round = 64;
+constexpr std::uint64_t max_visits = std::uint64_t{1} << 28;
+
 struct Line {
   std::array<double, 3> origin, inverse;  // of the direction
 };
@@ -76,12 +81,14 @@ Line line_through(const Box3f& box, std::uint32_t i) {
   return line;
 }
 
-std::uint64_t count_leaves(const BinaryTree& tree, const Line& line, std::vector<std::uint32_t>& stack) {
+std::uint64_t count_leaves(const BinaryTree& tree, const Line& line, std::vector<std::uint32_t>& stack,
+                           std::uint64_t& visits) {
   std::uint64_t count = 0;
   stack.assign(1, 0);
   while (!stack.empty()) {
     const BinaryNode& node = tree.nodes[stack.back()];
     stack.pop_back();
+    ++visits;
     if (!meets(line, node.bounds)) continue;
     if (node.is_leaf()) {
       ++count;
@@ -100,21 +107,31 @@ double leaf_count_variability(const BinaryTree& tree) {
   struct Sum {
     std::uint64_t leaves = 0;
     std::uint64_t squares = 0;
+    std::uint64_t visits = 0;
 
-    Sum operator+(const Sum& other) const { return {leaves + other.leaves, squares + other.squares}; }
-  };
-  const Sum sum = parallel_sum<Sum>(line_count, 256, [&tree](const auto& range) {
-    Sum sum;
-    std::vector<std::uint32_t> stack;
-    for (std::uint32_t i = range.begin(); i != range.end(); ++i) {
-      const std::uint64_t count = count_leaves(tree, line_through(tree.nodes[0].bounds, i), stack);
-      sum.leaves += count;
-      sum.squares += count * count;
+    Sum operator+(const Sum& other) const {
+      return {leaves + other.leaves, squares + other.squares, visits + other.visits};
     }
-    return sum;
-  });
-  const double mean = static_cast<double>(sum.leaves) / line_count;
-  return std::sqrt(std::max(0.0, static_cast<double>(sum.squares) / line_count - mean * mean));
+  };
+  const auto of_lines = [&tree](std::uint32_t begin, std::uint32_t end) {
+    return parallel_sum<Sum>(end - begin, first_round / 4, [&tree, begin](const auto& range) {
+      Sum sum;
+      std::vector<std::uint32_t> stack;
+      for (std::uint32_t i = range.begin(); i != range.end(); ++i) {
+        const Line line = line_through(tree.nodes[0].bounds, begin + i);
+        const std::uint64_t count = count_leaves(tree, line, stack, sum.visits);
+        sum.leaves += count;
+        sum.squares += count * count;
+      }
+      return sum;
+    });
+  };
+  Sum sum = of_lines(0, first_round);
+  std::uint32_t lines = first_round;
+  for (; lines < line_count && 2 * sum.visits < max_visits; lines *= 2)
+    sum = sum + of_lines(lines, 2 * lines);
+  const double mean = static_cast<double>(sum.leaves) / lines;
+  return std::sqrt(std::max(0.0, static_cast<double>(sum.squares) / lines - mean * mean));
 }
 
 }  // namespace kerf
