@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <string_view>
 
@@ -102,6 +103,24 @@ unsigned parse_whole(const std::string& option, const std::string& text, unsigne
   return value;
 }
 
+kerf::Vec3f parse_point(const std::string& option, const std::string& text) {
+  const std::vector<std::string> words = split(text, ',');
+  kerf::Vec3f point;
+  bool good = words.size() == 3;
+  for (int axis = 0; good && axis < 3; ++axis)
+    good = read(words[static_cast<std::size_t>(axis)], point[axis]) && std::isfinite(point[axis]);
+  if (!good) refuse(option, fmt::format("must be three numbers, X,Y,Z, not '{}'", text));
+  return point;
+}
+
+double parse_number(const std::string& option, const std::string& text, double min, double max) {
+  double value = 0.0;
+  if (!read(text, value) || !(value > min && value < max)) {
+    refuse(option, fmt::format("must be a number between {} and {}, not '{}'", min, max, text));
+  }
+  return value;
+}
+
 PictureSize parse_size(const std::string& option, const std::string& text) {
   const std::vector<std::string> sides = split(text, 'x');
   unsigned width = 0, height = 0;
@@ -112,7 +131,23 @@ PictureSize parse_size(const std::string& option, const std::string& text) {
   return {width, height};
 }
 
-std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs) {
+CLI::Validator names_a_file() {
+  return {[](const std::string& name) {
+            return name.empty() ? std::string("needs the name of a file, not an empty one") : std::string();
+          },
+          ""};
+}
+
+void add_format_option(CLI::App& command, std::string& format) {
+  command
+      .add_option("--format", format,
+                  "What the files of scenes are, whatever their names: for pipes, /dev/stdin (or -), and "
+                  "names without an ending")
+      ->check(CLI::IsMember({"obj", "ply", "stl", "gltf", "glb", "kerf"}))
+      ->type_name("FORMAT");
+}
+
+std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs, const std::string& format) {
   for (const std::string& spec : specs) {
     try {
       workbench::parse_scene_spec(spec);
@@ -122,7 +157,7 @@ std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs)
   }
   std::vector<workbench::Scene> scenes;
   for (const std::string& spec : specs) {
-    scenes.push_back(workbench::load_scene(spec));
+    scenes.push_back(workbench::load_scene(spec, format));
     warn_of_flattened_triangles(scenes.back());
   }
   return scenes;

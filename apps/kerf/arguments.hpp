@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <kerf/error.hpp>
 #include <kerf/inspect.hpp>
 
@@ -46,12 +47,25 @@ struct PictureSize {
   std::size_t height;
 };
 
+/// `1,-2.5,3e4`: three finite numbers.
+kerf::Vec3f parse_point(const std::string& option, const std::string& text);
+
+/// A number greater than `min` and less than `max`.
+double parse_number(const std::string& option, const std::string& text, double min, double max);
+
 /// `1280x800`: each from 1 to 16384.
 PictureSize parse_size(const std::string& option, const std::string& text);
 
-/// Loads all scenes. Commands do so before any other work, so that errors in any of them show at once. A line
-/// on standard error names scenes of which rounding to floats destroys triangles.
-std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs);
+/// For options that name a file: an empty name is refused instead of being taken for none.
+CLI::Validator names_a_file();
+
+/// Adds `--format`, which says what scene files are whatever their names.
+void add_format_option(CLI::App& command, std::string& format);
+
+/// Loads all scenes; files are of `format` if that is not empty. Commands do so before any other work, so
+/// that errors in any of them show at once. A line on standard error names scenes of which rounding to floats
+/// destroys triangles.
+std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs, const std::string& format);
 
 /// Returns what `work` returns. Errors of the library name no file, so this puts the name of the scene before
 /// their sentence.

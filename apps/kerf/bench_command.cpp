@@ -10,11 +10,11 @@
 #include <kerf/error.hpp>
 #include <kerf/inspect.hpp>
 #include <kerf/version.hpp>
-#include <unistd.h>
 
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "output.hpp"
+#include "run_json.hpp"
 #include "workbench/bench/bench.hpp"
 #include "workbench/bench/peer_isa.hpp"
 #include "workbench/bench/peers/embree.hpp"
@@ -22,6 +22,7 @@
 #include "workbench/bench/report.hpp"
 #include "workbench/report/machine.hpp"
 #include "workbench/terminal/progress.hpp"
+#include "workbench/terminal/terminal.hpp"
 
 namespace kerf_tool {
 namespace {
@@ -37,6 +38,7 @@ struct BenchArguments {
   std::string rays = "made";
   std::string peer_isa = automatic;
   std::string json;
+  std::string format;
   bool limits = false;
 };
 
@@ -88,8 +90,8 @@ std::vector<Engine> make_engines(const Scene& scene, const std::vector<std::stri
 void bench(const BenchArguments& arguments) {
   unsigned threads = parse_whole("--threads", arguments.threads, 0, max_threads);
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
-  require_writable(arguments.json);
-  const std::vector<Scene> scenes = load_scenes(arguments.scenes);
+  if (!arguments.json.empty()) require_writable(arguments.json);
+  const std::vector<Scene> scenes = load_scenes(arguments.scenes, arguments.format);
   const std::vector<std::string> isas = peer_isas(arguments);
 
   std::string versions;
@@ -113,15 +115,16 @@ void bench(const BenchArguments& arguments) {
   }
   const BenchRun run{
       .version = KERF_VERSION, .threads = threads, .target = std::string(kerf::instruction_set())};
+  const Machine machine = this_machine();
   if (!arguments.json.empty()) {
-    write_output(arguments.json, to_json(figures, run).dump(2) + "\n");
+    nlohmann::ordered_json json = to_json(figures, run);
+    json.update(run_json(machine, threads));
+    write_output(arguments.json, dump_json(json));
   }
   if (arguments.json == standard_output) return;
-  const Machine machine = this_machine();
-  write_output("-",
-               fmt::format("{}, {} of {} threads of {}, {}\n\n{}", versions, threads, machine.threads,
-                           machine.processor, machine.system,
-                           format_bench(figures, isatty(STDOUT_FILENO) ? Emphasis::bold : Emphasis::mark)));
+  const std::string heading = fmt::format("{}, {} of {} threads of {}, {}", versions, threads,
+                                          machine.threads, machine.processor, machine.system);
+  write_output("-", fold_text(heading) + "\n" + format_bench(figures, output_emphasis()));
 }
 
 }  // namespace
@@ -150,7 +153,9 @@ void add_bench_command(CLI::App& app) {
   command->add_flag("--limits", arguments->limits,
                     "Measure the time of a step at best, and the fraction of that speed that kerf reaches");
   command->add_option("--json", arguments->json, "Write the figures to this file; - is standard output")
+      ->check(names_a_file())
       ->type_name("FILE");
+  add_format_option(*command, arguments->format);
   command->callback([arguments] { bench(*arguments); });
 }
 

@@ -1,3 +1,7 @@
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 
 #include <fmt/format.h>
@@ -18,7 +22,34 @@ struct Options {
   std::string builder = "sbvh";
   std::string alpha = "1e-5";
   std::string threads = "0";
+  std::string format;
 };
+
+// Other commands know a hierarchy by the ending of its name.
+void check_output(const std::string& name) {
+  if (name == standard_output || std::filesystem::path(name).extension() == ".kerf") return;
+  throw CLI::ValidationError(
+      "--output",
+      fmt::format("must end in .kerf, by which other commands know what it is, or be -, not '{}'", name));
+}
+
+// The bytes of a saved hierarchy, which is saved to a file that is gone before this returns.
+std::string saved_bytes(const kerf::Bvh& bvh) {
+  std::string directory = (std::filesystem::temp_directory_path() / "kerf-XXXXXX").string();
+  if (::mkdtemp(directory.data()) == nullptr)
+    throw kerf::Error(kerf::Error::io, directory + ": cannot be made");
+  struct Removed {
+    const std::string& directory;
+    ~Removed() {
+      std::error_code ignored;
+      std::filesystem::remove_all(directory, ignored);
+    }
+  } removed{directory};
+  const std::filesystem::path file = std::filesystem::path(directory) / "hierarchy.kerf";
+  bvh.save(file);
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 void run(const Options& options) {
   workbench::ProgressBar bar;
@@ -30,9 +61,14 @@ void run(const Options& options) {
     bar.show(fraction, "build");
     return true;
   };
+  check_output(options.output);
   require_writable(options.output);
-  const workbench::Scene scene = std::move(load_scenes({options.scene}).front());
+  const workbench::Scene scene = std::move(load_scenes({options.scene}, options.format).front());
   const kerf::Bvh bvh = name_errors(scene, [&] { return kerf::build(scene.mesh(), build); });
+  if (options.output == standard_output) {
+    bar.clear();
+    return write_output(standard_output, saved_bytes(bvh));
+  }
   bvh.save(options.output);
   bar.clear();
   const kerf::BvhStatistics& statistics = bvh.statistics();
@@ -49,7 +85,8 @@ void add_build_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("build", "Build the hierarchy of a scene and save it");
   command->add_option("SCENE", options->scene, scene_help)->type_name("")->required();
-  command->add_option("-o,--output", options->output, "The .kerf file to write")
+  command->add_option("-o,--output", options->output, "The .kerf file to write; - is standard output")
+      ->check(names_a_file())
       ->type_name("FILE")
       ->required();
   command->add_option("--builder", options->builder, builder_names())
@@ -61,6 +98,7 @@ void add_build_command(CLI::App& app) {
   command->add_option("--threads", options->threads, "Threads that build; 0 is all there are")
       ->type_name("N")
       ->capture_default_str();
+  add_format_option(*command, options->format);
   command->callback([options] { run(*options); });
 }
 

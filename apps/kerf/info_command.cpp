@@ -1,23 +1,126 @@
+#include <algorithm>
+#include <cstdint>
 #include <memory>
-#include <set>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <kerf/inspect.hpp>
+#include <kerf/version.hpp>
 
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "output.hpp"
+#include "run_json.hpp"
 #include "workbench/compare/measures.hpp"
+#include "workbench/scene/surface.hpp"
 
 namespace kerf_tool {
 namespace {
 
 using namespace workbench;
+using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string scene;
-  std::string builder = "sbvh";
+  std::string builder;  // empty: that of a .kerf file, else sbvh
+  std::string format;
+  std::string json;
 };
+
+// What is known of a tree: of the binary tree of a builder, or of the wide one that a file holds.
+struct TreeFacts {
+  std::string title;
+  kerf::TreeCounts counts;
+  std::size_t distinct = 0;  // triangles that stand in some leaf
+  double sah = 0.0;
+  std::optional<kerf::Estimate> epo = {};  // of binary trees
+  std::optional<double> lcv = {};          // of binary trees
+
+  std::size_t duplicates() const { return counts.references - distinct; }
+};
+
+struct Facts {
+  SurfaceFacts surface;
+  kerf::BvhStatistics traced;
+  kerf::Box3f bounds;
+  TreeFacts tree;
+};
+
+std::size_t count_distinct(std::vector<std::uint32_t> ids) {
+  std::sort(ids.begin(), ids.end());
+  return static_cast<std::size_t>(std::unique(ids.begin(), ids.end()) - ids.begin());
+}
+
+TreeFacts facts_of(const kerf::Tree& tree, std::string_view builder) {
+  const auto references = tree.references();
+  return {.title = fmt::format("{} tree", builder),
+          .counts = count_tree(tree),
+          .distinct = count_distinct({references.begin(), references.end()}),
+          .sah = surface_area_cost(tree),
+          .epo = estimate_end_point_overlap(tree),
+          .lcv = leaf_count_variability(tree)};
+}
+
+// The surface area heuristic with the same costs, where a node of many children is visited as one.
+TreeFacts facts_of_saved(const kerf::Bvh& bvh) {
+  const kerf::Layout layout = kerf::layout(bvh);
+  TreeFacts facts{.title = fmt::format("saved tree, of nodes with up to {} children", layout.width),
+                  .counts = {}};
+  const auto area = [](const kerf::Box3f& box) {
+    const double x = double{box.upper.x} - box.lower.x, y = double{box.upper.y} - box.lower.y,
+                 z = double{box.upper.z} - box.lower.z;
+    return x * y + y * z + z * x;
+  };
+  double cost = kerf::inner_node_cost * area(layout.bounds);
+  facts.counts.nodes = layout.node_count;
+  facts.counts.depth = layout.depth;
+  layout.with_nodes([&](const auto& nodes) {
+    for (const auto& node : nodes) {
+      for (std::uint32_t slot = 0; slot < layout.width; ++slot) {
+        const kerf::Box3f box = child_box(node, slot);
+        if (box.empty()) continue;
+        const kerf::ChildLink child = node.children[slot];
+        cost += area(box) * (child.is_leaf() ? kerf::triangle_cost * child.count() : kerf::inner_node_cost);
+        if (!child.is_leaf()) continue;
+        ++facts.counts.nodes;
+        ++facts.counts.leaves;
+        facts.counts.references += child.count();
+        facts.counts.leaf_sizes.resize(
+            std::max<std::size_t>(facts.counts.leaf_sizes.size(), child.count() + 1));
+        ++facts.counts.leaf_sizes[child.count()];
+      }
+    }
+  });
+  const double whole = area(layout.bounds);
+  facts.sah = whole > 0.0 ? cost / whole : 0.0;
+  std::vector<std::uint32_t> ids;
+  visit_triangles(layout, [&](std::uint32_t id, const kerf::Triangle&) { ids.push_back(id); });
+  facts.distinct = count_distinct(std::move(ids));
+  return facts;
+}
+
+Facts find_facts(const Scene& scene, const Options& options) {
+  Facts facts;
+  facts.surface = surface_facts(scene);
+  kerf::Bvh bvh;
+  if (scene.hierarchy && options.builder.empty()) {
+    bvh = *scene.hierarchy;
+    facts.tree = facts_of_saved(bvh);
+  } else {
+    const kerf::BuilderInfo builder =
+        parse_builder("--builder", options.builder.empty() ? "sbvh" : options.builder);
+    const kerf::Tree tree = kerf::build_tree(scene.mesh(), {.builder = builder.builder});
+    facts.tree = facts_of(tree, builder.name);
+    bvh = kerf::make_bvh(tree);
+  }
+  facts.traced = bvh.statistics();
+  facts.bounds = bvh.bounds();
+  return facts;
+}
 
 std::string line(std::string_view name, std::string_view value) {
   return fmt::format("  {:<22}{}\n", name, value);
@@ -36,54 +139,100 @@ std::string format_leaf_sizes(const std::vector<std::size_t>& leaf_sizes) {
   return text.empty() ? "none" : text;
 }
 
-std::string describe(const Scene& scene, const kerf::BuilderInfo& builder) {
-  const kerf::TriangleMesh mesh = scene.mesh();
-  const kerf::Tree tree = kerf::build_tree(mesh, {.builder = builder.builder});
-  const kerf::TreeCounts counts = count_tree(tree);
-  const double sah = surface_area_cost(tree);
-  const double epo = end_point_overlap(tree);
-  const double lcv = leaf_count_variability(tree);
-  const auto references = tree.references();
-  const std::size_t distinct = std::set<std::uint32_t>(references.begin(), references.end()).size();
-  const kerf::Bvh bvh = kerf::make_bvh(tree);
-  const kerf::Box3f bounds = bvh.bounds();
-
+std::string describe(const Scene& scene, const Facts& facts) {
+  const kerf::Box3f& box = facts.bounds;
+  const TreeFacts& tree = facts.tree;
   std::string text = scene.name + "\n";
   text += line("vertices", format_count(scene.vertices.size()));
-  text += line("triangles", format_count(tree.triangles()));
-  text += line("degenerate", format_count(bvh.statistics().degenerate_triangles));
+  text += line("triangles", format_count(scene.triangles.size()));
+  text += line("degenerate", format_count(facts.traced.degenerate_triangles));
+  text += line("doubled", format_count(facts.surface.doubled_triangles));
+  text += line("closed", facts.surface.closed() ? "yes"
+                                                : fmt::format("no: {} edges have no counterpart",
+                                                              format_count(facts.surface.open_edges)));
   if (const std::size_t flattened = scene.contents.flattened_triangles)
     text += line("flattened", format_count(flattened) + " triangles, by rounding to floats");
-  text += line("bounds", bounds.empty() ? "empty"
-                                        : fmt::format("{} to {}", format_point(bounds.lower),
-                                                      format_point(bounds.upper)));
+  const std::string lower = format_point(box.lower), upper = format_point(box.upper);
+  if (box.empty()) {
+    text += line("bounds", "empty");
+  } else if (lower.size() + upper.size() < 50) {
+    text += line("bounds", fmt::format("{} to {}", lower, upper));
+  } else {
+    text += line("bounds", lower + " to") + line("", upper);
+  }
+  if (!box.empty())
+    text += line("size",
+                 fmt::format("{:.6g} x {:.6g} x {:.6g}, in the units of the file", box.upper.x - box.lower.x,
+                             box.upper.y - box.lower.y, box.upper.z - box.lower.z));
   text += line("viewpoints", format_count(scene.viewpoints.size()));
   if (!scene.contents.entries.empty()) text += "\nbeside triangles\n";
   for (const auto& [name, value] : scene.contents.entries) text += line(name, value);
-  text += fmt::format("\n{} tree\n", builder.name);
-  text += line("nodes", format_count(counts.nodes));
-  text += line("leaves", format_count(counts.leaves));
-  text += line("depth", format_count(counts.depth));
-  text += line("leaf sizes", format_leaf_sizes(counts.leaf_sizes));
-  text += line("references", format_count(counts.references));
-  text += line("duplicates",
-               fmt::format("{} ({:.1f} % of the triangles)", format_count(counts.references - distinct),
-                           distinct == 0 ? 0.0
-                                         : 100.0 * static_cast<double>(counts.references - distinct) /
-                                               static_cast<double>(distinct)));
-  text += line("SAH", fmt::format("{:.4f}", sah));
-  text += line("EPO", fmt::format("{:.4f}", epo));
-  text += line("LCV", fmt::format("{:.4f}", lcv));
+  text += fmt::format("\n{}\n", tree.title);
+  text += line("nodes", format_count(tree.counts.nodes));
+  text += line("leaves", format_count(tree.counts.leaves));
+  text += line("depth", format_count(tree.counts.depth));
+  text += line("leaf sizes", format_leaf_sizes(tree.counts.leaf_sizes));
+  text += line("references", format_count(tree.counts.references));
+  const auto distinct = static_cast<double>(std::max<std::size_t>(tree.distinct, 1));
+  text += line("duplicates", fmt::format("{} ({:.1f} % of the triangles)", format_count(tree.duplicates()),
+                                         100.0 * static_cast<double>(tree.duplicates()) / distinct));
+  text += line("SAH", fmt::format("{:.4f}", tree.sah));
+  if (tree.epo && tree.epo->standard_error > 0.0)
+    text += line("EPO", fmt::format("{:.4g}, from a sample; standard error {:.1g}", tree.epo->value,
+                                    tree.epo->standard_error));
+  else if (tree.epo)
+    text += line("EPO", fmt::format("{:.4f}", tree.epo->value));
+  if (tree.lcv) text += line("LCV", fmt::format("{:.4f}", *tree.lcv));
   text += "\ntraced structure\n";
-  text += line("nodes", format_count(bvh.statistics().nodes));
-  text += line("bytes", format_count(bvh.statistics().bytes));
+  text += line("nodes", format_count(facts.traced.nodes));
+  text += line("bytes", format_count(facts.traced.bytes));
   return text;
 }
 
+Json to_json(const Scene& scene, const Facts& facts) {
+  const auto point = [](const kerf::Vec3f& p) { return Json::array({p.x, p.y, p.z}); };
+  const TreeFacts& tree = facts.tree;
+  Json bounds;  // null if there are none
+  if (!facts.bounds.empty())
+    bounds = {{"lower", point(facts.bounds.lower)}, {"upper", point(facts.bounds.upper)}};
+  Json beside = Json::object();
+  for (const auto& [name, value] : scene.contents.entries) beside[name] = value;
+  Json of_tree{{"title", tree.title},
+               {"nodes", tree.counts.nodes},
+               {"leaves", tree.counts.leaves},
+               {"depth", tree.counts.depth},
+               {"leaf_sizes", tree.counts.leaf_sizes},
+               {"references", tree.counts.references},
+               {"duplicates", tree.duplicates()},
+               {"sah", tree.sah}};
+  if (tree.epo) {
+    of_tree["epo"] = tree.epo->value;
+    of_tree["epo_standard_error"] = tree.epo->standard_error;
+  }
+  if (tree.lcv) of_tree["lcv"] = *tree.lcv;
+  return {{"kerf", KERF_VERSION},
+          {"name", scene.name},
+          {"vertices", scene.vertices.size()},
+          {"triangles", scene.triangles.size()},
+          {"degenerate_triangles", facts.traced.degenerate_triangles},
+          {"doubled_triangles", facts.surface.doubled_triangles},
+          {"flattened_triangles", scene.contents.flattened_triangles},
+          {"closed", facts.surface.closed()},
+          {"open_edges", facts.surface.open_edges},
+          {"bounds", std::move(bounds)},
+          {"viewpoints", scene.viewpoints.size()},
+          {"beside_triangles", std::move(beside)},
+          {"tree", std::move(of_tree)},
+          {"traced", {{"nodes", facts.traced.nodes}, {"bytes", facts.traced.bytes}}}};
+}
+
 void run(const Options& options) {
-  const kerf::BuilderInfo builder = parse_builder("--builder", options.builder);
-  const Scene scene = std::move(load_scenes({options.scene}).front());
-  write_output(standard_output, name_errors(scene, [&] { return describe(scene, builder); }));
+  if (!options.builder.empty()) parse_builder("--builder", options.builder);
+  if (!options.json.empty()) require_writable(options.json);
+  const Scene scene = std::move(load_scenes({options.scene}, options.format).front());
+  const Facts facts = name_errors(scene, [&] { return find_facts(scene, options); });
+  if (!options.json.empty()) write_output(options.json, dump_json(to_json(scene, facts)));
+  if (options.json != standard_output) write_output(standard_output, describe(scene, facts));
 }
 
 }  // namespace
@@ -92,9 +241,14 @@ void add_info_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("info", "Say what a scene is and what its tree looks like");
   command->add_option("SCENE", options->scene, scene_help)->type_name("")->required();
-  command->add_option("--builder", options->builder, builder_names())
-      ->type_name("NAME")
-      ->capture_default_str();
+  command
+      ->add_option("--builder", options->builder,
+                   builder_names() + "; if none is given, the hierarchy of a .kerf file, else sbvh")
+      ->type_name("NAME");
+  command->add_option("--json", options->json, "Write all of it as JSON to this file; - is standard output")
+      ->check(names_a_file())
+      ->type_name("FILE");
+  add_format_option(*command, options->format);
   command->callback([options] { run(*options); });
 }
 

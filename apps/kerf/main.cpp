@@ -2,6 +2,8 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -9,6 +11,7 @@
 #include <kerf/version.hpp>
 
 #include "commands.hpp"
+#include "workbench/base/nearest_word.hpp"
 
 namespace {
 
@@ -20,13 +23,29 @@ std::string quote(const std::string& argument) {
   const bool plain = argument.find_first_not_of(
                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                          "_-./,:=+@%") == std::string::npos;
-  return plain && !argument.empty() ? argument : fmt::format("'{}'", argument);
+  if (plain && !argument.empty()) return argument;
+  std::string quoted = "'";
+  for (const char c : argument) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
 }
 
 std::string join(int argc, char** argv) {
   std::string line = "kerf";
   for (int i = 1; i < argc; ++i) line += fmt::format(" {}", quote(argv[i]));
   return line;
+}
+
+// A word where a command must be: it is named, and the nearest command.
+void check_command(const CLI::App& app, std::string_view word) {
+  if (word.empty() || word.front() == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_name() == word) return;
+    names.push_back(command->get_name());
+  }
+  throw CLI::ValidationError(fmt::format(
+      "there is no command '{}'{}{} the commands are {}", word, workbench::did_you_mean(word, names),
+      workbench::did_you_mean(word, names).empty() ? ";" : "", fmt::join(names, ", ")));
 }
 
 int run(int argc, char** argv) {
@@ -41,6 +60,7 @@ int run(int argc, char** argv) {
   kerf_tool::add_bench_command(app);
   kerf_tool::add_build_command(app);
   try {
+    if (argc > 1) check_command(app, argv[1]);
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {

@@ -1,22 +1,21 @@
 #include "measure.hpp"
 
-#include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <kerf/error.hpp>
+#include <kerf/inspect.hpp>
 #include <kerf/version.hpp>
-#include <unistd.h>
 
 #include "arguments.hpp"
 #include "device.hpp"
 #include "output.hpp"
+#include "run_json.hpp"
 #include "workbench/compare/json.hpp"
 #include "workbench/terminal/progress.hpp"
+#include "workbench/terminal/terminal.hpp"
 
 namespace kerf_tool {
 namespace {
@@ -50,6 +49,7 @@ Plan check(const MeasureOptions& given, bool on_device) {
   if (!given.pixels.empty()) {
     const PictureSize pixels = parse_size("--pixels", given.pixels);
     plan.compare.rays = {.width = pixels.width, .height = pixels.height};
+    plan.compare.bound_rays = false;
   } else if (on_device) {
     plan.compare.rays = device_rays;
   }
@@ -58,15 +58,15 @@ Plan check(const MeasureOptions& given, bool on_device) {
     plan.compare.seconds_per_type = 0.0;
   }
   plan.pictures = parse_size("--pictures", given.pictures);
-  require_writable(given.json);
-  require_writable_directory(given.report);
+  if (!given.json.empty()) require_writable(given.json);
+  if (!given.report.empty()) require_writable_directory(given.report);
   return plan;
 }
 
 // Measures scene after scene, and prints the table of each as soon as it is known.
 std::vector<ReportScene> measure(const Measurement& measurement, const Plan& plan,
                                  const std::vector<Scene>& scenes) {
-  const Emphasis emphasis = isatty(STDOUT_FILENO) ? Emphasis::bold : Emphasis::mark;
+  const Emphasis emphasis = output_emphasis();
   std::vector<ReportScene> measured;
   ProgressBar bar;
   for (const Scene& scene : scenes) {
@@ -91,26 +91,27 @@ std::vector<ReportScene> measure(const Measurement& measurement, const Plan& pla
   return measured;
 }
 
-std::string today() {
-  return fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::chrono::system_clock::now()));
-}
-
 void write(const Measurement& measurement, const Plan& plan, const std::vector<ReportScene>& measured) {
+  const Machine machine = this_machine();
+  const unsigned threads = plan.compare.threads == 0 ? machine.threads : plan.compare.threads;
   if (!plan.json.empty()) {
     std::vector<SceneFigures> figures;
     for (const ReportScene& scene : measured) figures.push_back(scene.figures);
-    write_output(plan.json, to_json(figures, KERF_VERSION).dump(2) + "\n");
+    nlohmann::ordered_json json = to_json(figures, KERF_VERSION);
+    json.update(run_json(machine, threads));
+    write_output(plan.json, dump_json(json));
   }
   if (plan.report.empty()) return;
-  Report report{.kind = measurement.kind,
-                .scenes = measured,
-                .command = measurement.command_line,
-                .version = KERF_VERSION,
-                .date = today(),
-                .machine = this_machine()};
-  report.threads = plan.compare.threads == 0 ? report.machine.threads : plan.compare.threads;
+  const Report report{.kind = measurement.kind,
+                      .scenes = measured,
+                      .command = measurement.command_line,
+                      .version = KERF_VERSION,
+                      .date = now(),
+                      .threads = threads,
+                      .target = std::string(kerf::instruction_set()),
+                      .machine = machine};
   const std::string page = (std::filesystem::path(plan.report) / "index.html").string();
-  write_output(page, render_html(report));
+  write_in_directory(plan.report, "index.html", render_html(report));
   if (plan.print_tables) write_output(standard_output, fmt::format("\nThe report is {}\n", page));
 }
 
@@ -132,11 +133,14 @@ void add_options(CLI::App& command, MeasureOptions& options) {
                   "Rounds of timing; if not given, at least three, for a second or more")
       ->type_name("N");
   command.add_option("--json", options.json, "Write all figures as JSON to this file; - is standard output")
+      ->check(names_a_file())
       ->type_name("FILE");
   command
       .add_option("--report", options.report,
                   "Write index.html with tables, charts and pictures to this directory")
+      ->check(names_a_file())
       ->type_name("DIRECTORY");
+  add_format_option(command, options.format);
   command.add_option("--pictures", options.pictures, "WIDTHxHEIGHT of the report's pictures")
       ->type_name("WxH")
       ->capture_default_str();
@@ -146,7 +150,7 @@ void measure_and_write(const Measurement& measurement) {
   const std::unique_ptr<TracingDevice> device = open_device(measurement.device);
   Plan plan = check(measurement.options, device != nullptr);
   plan.compare.device = device.get();
-  const std::vector<Scene> scenes = load_scenes(measurement.specs);
+  const std::vector<Scene> scenes = load_scenes(measurement.specs, measurement.options.format);
   const std::vector<ReportScene> measured = measure(measurement, plan, scenes);
   write(measurement, plan, measured);
   for (const ReportScene& scene : measured) {

@@ -20,6 +20,7 @@ struct MeasureOptions {
   std::string pictures = "640x400";
   std::string json;    ///< file, `-` for standard output, or empty for none
   std::string report;  ///< directory, or empty for none
+  std::string format;  ///< of the files; empty: their endings say it
 };
 
 void add_options(CLI::App& command, MeasureOptions& options);

@@ -2,10 +2,16 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
+#include <cstdlib>
 #include <memory>
+#include <random>
 #include <system_error>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "workbench/base/raise.hpp"
 
@@ -30,26 +36,111 @@ void write(std::FILE* stream, std::string_view name, std::string_view bytes) {
   }
 }
 
+namespace fs = std::filesystem;
+
+// The file that `file` stands for: the end of a chain of symbolic links, so that links stay.
+fs::path follow_links(fs::path file) {
+  std::error_code error;
+  constexpr int max_links = 40;  // as many as the system follows
+  for (int i = 0; i < max_links && fs::is_symlink(file, error); ++i)
+    file = file.parent_path() / fs::read_symlink(file, error);
+  return file;
+}
+
+// Devices and pipes are written as they are; files are replaced.
+bool is_replaced(const fs::path& file) {
+  struct stat status {};
+  return ::stat(file.c_str(), &status) != 0 || S_ISREG(status.st_mode);
+}
+
+// A new file beside `final_path`, with its permissions. It is removed unless it is renamed to it: whatever
+// goes wrong, what was there stays.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const fs::path& final_path) : final_path_(final_path) {
+    struct stat old {};
+    const bool replaces = ::stat(final_path.c_str(), &old) == 0;
+    const mode_t mode = replaces ? old.st_mode & 0777 : 0666;
+    constexpr std::size_t max_name_bytes = 240;  // of the 255 that a system allows
+    const std::string name = final_path.filename().string().substr(0, max_name_bytes);
+    std::random_device random;
+    int descriptor;
+    do {
+      path_ = final_path.parent_path() / fmt::format("{}.{}.tmp", name, random());
+      descriptor = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    } while (descriptor < 0 && errno == EEXIST);
+    if (descriptor < 0) raise_io(final_path.string(), "cannot be written", errno);
+    if (replaces) (void)::fchmod(descriptor, mode);  // file systems without permissions refuse
+    stream_ = Stream(::fdopen(descriptor, "wb"), &std::fclose);
+  }
+  ~TemporaryFile() {
+    stream_.reset();
+    if (!renamed_) ::unlink(path_.c_str());
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  void write_and_rename(std::string_view bytes) {
+    const std::string name = final_path_.string();
+    write(stream_.get(), name, bytes);
+    if (::fsync(fileno(stream_.get())) != 0) raise_io(name, "cannot be written to the disk", errno);
+    if (std::fclose(stream_.release()) != 0) raise_io(name, "cannot be written", errno);
+    if (::rename(path_.c_str(), final_path_.c_str()) != 0) raise_io(name, "cannot be written", errno);
+    renamed_ = true;
+  }
+
+ private:
+  fs::path final_path_, path_;
+  Stream stream_{nullptr, &std::fclose};
+  bool renamed_ = false;
+};
+
 }  // namespace
 
 void require_writable(const std::string& file) {
-  if (file.empty() || file == standard_output) return;
+  if (file == standard_output) return;
+  const fs::path place = follow_links(file);
   std::error_code ignored;
-  const bool was_there = std::filesystem::exists(file, ignored);
-  open(file, "ab");
-  if (!was_there) std::filesystem::remove(file, ignored);
+  if (fs::is_directory(place, ignored)) raise_io(file, "cannot be written", EISDIR);
+  if (is_replaced(place)) {
+    const TemporaryFile removed_at_once(place);
+  } else {
+    open(file, "ab");
+  }
 }
 
 void require_writable_directory(const std::string& directory) {
-  if (directory.empty()) return;
+  const fs::path place = fs::path(directory);
   std::error_code error;
-  std::filesystem::create_directories(directory, error);
+  if (fs::is_directory(place, error)) return require_writable((place / "index.html").string());
+  // The nearest folder above that is there must take another.
+  fs::path above = fs::absolute(place).lexically_normal();
+  while (!fs::exists(above, error) && above.has_relative_path()) above = above.parent_path();
+  if (!fs::is_directory(above, error)) raise_io(directory, "the directory cannot be made", ENOTDIR);
+  if (::access(above.c_str(), W_OK | X_OK) != 0) raise_io(directory, "the directory cannot be made", errno);
+}
+
+void write_in_directory(const std::string& directory, const std::string& name, std::string_view bytes) {
+  // Those that are made here are removed again if the file cannot be written.
+  std::vector<fs::path> made;
+  std::error_code error;
+  for (fs::path part = fs::path(directory); !part.empty() && !fs::exists(part, error);
+       part = part.parent_path())
+    made.push_back(part);
+  fs::create_directories(directory, error);
   if (error) raise_io(directory, "the directory cannot be made", error.value());
-  require_writable((std::filesystem::path(directory) / "index.html").string());
+  try {
+    write_output((fs::path(directory) / name).string(), bytes);
+  } catch (const kerf::Error&) {
+    for (const fs::path& part : made) fs::remove(part, error);
+    throw;
+  }
 }
 
 void write_output(const std::string& file, std::string_view bytes) {
   if (file == standard_output) return write(stdout, "standard output", bytes);
+  const fs::path place = follow_links(file);
+  if (is_replaced(place)) return TemporaryFile(place).write_and_rename(bytes);
   const Stream stream = open(file, "wb");
   write(stream.get(), file, bytes);
 }

@@ -1,6 +1,8 @@
 // The command-line tool, run as a user runs it: exit statuses, JSON, tables, pictures.
 #include <algorithm>
+#include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -310,6 +312,199 @@ TEST(Tool, ATriangleWithoutAreaAloneIsTracedAndMissed) {
   for (const Json& builder : comparison["scenes"][0]["builders"]) {
     EXPECT_EQ(builder["references"], 0u);
     EXPECT_EQ(builder["rays"]["primary"]["hits"], 0u);
+  }
+}
+
+// A triangle of each side of a cube, turned outwards, as text for .obj files.
+const std::string cube =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+    "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+TEST(Tool, NamesUnknownCommandsAndScenesAndTheNearest) {
+  for (const auto& [arguments, part] :
+       {std::pair("rendr atrium -o x.png", "there is no command 'rendr'; did you mean render?"),
+        std::pair("frobnicate", "there is no command 'frobnicate'; the commands are scenes, info"),
+        std::pair("info atruim",
+                  "atruim: no such file, and no generated scene of that name; did you mean atrium?"),
+        std::pair("info nowhere/at/all.obj", "nowhere/at/all.obj: no such file\n")}) {
+    const Outcome outcome = run_tool(arguments);
+    EXPECT_NE(outcome.status, 0);
+    expect_one_line_about(outcome.errors, part);
+  }
+}
+
+TEST(Tool, AnUnknownInstructionSetIsOneLine) {
+  const Outcome outcome = run_command("KERF_TARGET=AVX9 " + tool() + " info " + small);
+  EXPECT_EQ(outcome.status, 1);
+  expect_one_line_about(outcome.errors, "KERF_TARGET is \"AVX9\"");
+}
+
+TEST(Tool, FilesAreWholeOrAsBefore) {
+  const TemporaryDirectory directory;
+  const std::string old = "what was there";
+  const auto limited = [&](const std::string& arguments) {  // files of at most 512 bytes, as on a full disk
+    return run_command("trap '' XFSZ; ulimit -f 1; (" + tool() + " " + arguments + " >/dev/null)");
+  };
+  for (const std::string& command :
+       {"render " + small + " --size 64x48 -o " + directory.write("a.png", old),
+        "info " + small + " --json " + directory.write("a.json", old),
+        "compare " + small + quick + " --builders bvh --json " + directory.write("b.json", old)}) {
+    const Outcome outcome = limited(command);
+    EXPECT_EQ(outcome.status, 1) << command;
+    EXPECT_EQ(read_bytes(command.substr(command.find_last_of(' ') + 1)), old) << command;
+  }
+  EXPECT_EQ(
+      limited("compare " + small + quick + " --builders bvh --pictures 8x8 --report " + directory.file("r/s"))
+          .status,
+      1);
+  std::vector<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(directory.path()))
+    left.push_back(entry.path().filename());
+  std::sort(left.begin(), left.end());
+  EXPECT_EQ(left, (std::vector<std::string>{"a.json", "a.png", "b.json"})) << "no part, and no empty folder";
+}
+
+TEST(Tool, LinksStayAndPermissionsToo) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("a.json", "old");
+  std::filesystem::permissions(file,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  std::filesystem::create_symlink("a.json", directory.path() / "link.json");
+  ASSERT_EQ(run_tool("info " + small + " --json " + directory.file("link.json")).status, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(directory.path() / "link.json"));
+  EXPECT_EQ(Json::parse(read_bytes(file))["name"], small);
+  EXPECT_EQ(std::filesystem::status(file).permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+}
+
+TEST(Tool, OutputsThatNobodyCouldReadAreRefused) {
+  const TemporaryDirectory directory;
+  for (const std::string& arguments :
+       {"info " + small + " --json ''", "compare " + small + " --json ''",
+        "compare " + small + " --report ''", "bench " + small + " --json ''", "build " + small + " -o ''",
+        "build " + small + " -o " + directory.file("noending"),
+        "render " + small + " -o " + directory.file("a.jpg")}) {
+    const Outcome outcome = run_tool(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    expect_one_line_about(outcome.errors, "");
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(directory.path()));
+}
+
+TEST(Tool, ADashIsStandardOutputAndStandardInput) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("cube.obj", cube), saved = directory.file("cube.kerf");
+  ASSERT_EQ(run_tool("build " + file + " -o " + saved).status, 0);
+  EXPECT_EQ(run_tool("build " + file + " -o -").output, read_bytes(saved));
+  const Outcome outcome = run_command("(cat " + file + " | " + tool() + " info - --format obj)");
+  EXPECT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("triangles             12"), std::string::npos) << outcome.output;
+}
+
+TEST(Tool, FormatSaysWhatAFileWithoutAnEndingIs) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("cube", cube);
+  expect_one_line_about(run_tool("info " + file).errors, "--format");
+  EXPECT_EQ(run_tool("info --format obj " + file).status, 0);
+  EXPECT_EQ(run_tool("info --format xyz " + file).status, 2);
+}
+
+TEST(Tool, InfoOfAHierarchyDescribesTheTreeInTheFile) {
+  const TemporaryDirectory directory;
+  const std::string plain = directory.file("plain.kerf");
+  ASSERT_EQ(run_tool("build " + small + " --builder bvh -o " + plain).status, 0);
+  const Json saved = Json::parse(run_tool("info " + plain + " --json -").output);
+  EXPECT_EQ(saved["tree"]["references"], saved["triangles"]) << "a plain BVH duplicates nothing";
+  EXPECT_TRUE(std::string(saved["tree"]["title"]).starts_with("saved tree")) << saved["tree"]["title"];
+  const Json anew = Json::parse(run_tool("info " + plain + " --builder sbvh --json -").output);
+  EXPECT_GT(anew["tree"]["references"], anew["triangles"]);
+  EXPECT_EQ(anew["tree"]["title"], "sbvh tree");
+}
+
+TEST(Tool, InfoSaysWhetherASurfaceIsClosedAndWhatIsDoubled) {
+  const TemporaryDirectory directory;
+  const Json closed = Json::parse(run_tool("info --json - " + directory.write("a.obj", cube)).output);
+  EXPECT_EQ(closed["closed"], true);
+  EXPECT_EQ(closed["doubled_triangles"], 0);
+  EXPECT_EQ(closed["bounds"]["upper"], (std::vector<double>{1, 1, 1}));
+  const Json open =
+      Json::parse(run_tool("info --json - " + directory.write("b.obj", cube + "f 1 2 5\n")).output);
+  EXPECT_EQ(open["closed"], false);
+  EXPECT_EQ(open["open_edges"], 3);
+  EXPECT_EQ(open["doubled_triangles"], 1);
+}
+
+TEST(Tool, NamesThatAreNotUtf8LoseNothing) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("caf\xe9.obj", cube);
+  const Outcome outcome =
+      run_tool("compare " + file + quick + " --builders bvh --pictures 8x8 --json - --report " +
+               directory.file("report"));
+  EXPECT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_EQ(Json::parse(outcome.output)["scenes"][0]["triangles"], 12u);
+  EXPECT_TRUE(std::filesystem::exists(directory.file("report/index.html")));
+}
+
+TEST(Tool, JsonSaysWhichRunItCameFrom) {
+  const Json compared =
+      Json::parse(run_tool("compare " + small + quick + " --builders bvh --threads 1 --json -").output);
+  const Json benched =
+      Json::parse(run_tool("bench sticks:detail=0.001 --peers none --threads 1 --json -").output);
+  for (const Json& json : {compared, benched}) {
+    expect_keys(json, {"kerf", "date", "threads", "target", "machine", "scenes"});
+    EXPECT_EQ(json["threads"], 1u);
+    expect_keys(json["machine"], {"processor", "threads", "system", "compiler"});
+  }
+}
+
+TEST(Tool, BenchEndsWhereNoRayHits) {
+  const TemporaryDirectory directory;
+  const std::string line = directory.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  const Outcome outcome = run_tool("bench " + line + " --threads 1");
+  EXPECT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_EQ(outcome.output.find("nan"), std::string::npos) << outcome.output;
+  EXPECT_EQ(outcome.output.find("inf"), std::string::npos) << outcome.output;
+}
+
+TEST(Tool, RendersWhatTheCameraIsToldTo) {
+  const TemporaryDirectory directory;
+  // As the cube, 3 wide, 1 high and 2 deep.
+  const std::string slab = "v 0 0 0\nv 3 0 0\nv 3 1 0\nv 0 1 0\nv 0 0 2\nv 3 0 2\nv 3 1 2\nv 0 1 2\n" +
+                           cube.substr(cube.find("f 4"));
+  const std::string file = directory.write("slab.obj", slab), picture = directory.file("a.png");
+  const std::string begin = "render " + file + " --size 24x24 -o - ";
+  const std::string front = run_tool(begin + "--view front").output;
+  EXPECT_NE(run_tool(begin + "--view top").output, front);
+  EXPECT_NE(run_tool(begin + "--view front --up z").output, front) << "from another side";
+  EXPECT_EQ(run_tool(begin + "--eye 1.5,0.5,6 --at 1.5,0.5,1 --fov 45").output,
+            run_tool(begin + "--eye 1.5,0.5,6 --fov 45").output)
+      << "the middle is what a camera looks at";
+  EXPECT_NE(run_tool(begin + "--mode steps --scale 10").output,
+            run_tool(begin + "--mode steps --scale 20").output);
+  for (const std::string arguments :
+       {"--view fornt", "--at 0,0,0", "--eye 1,2", "--eye 1,2,3 --view top", "--up 0,0,0", "--fov 180",
+        "--eye 1,2,3 --at 1,2,3", "--scale 5", "--mode steps --scale 0"}) {
+    const Outcome outcome = run_tool("render " + file + " -o " + picture + " " + arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    expect_one_line_about(outcome.errors, "");
+  }
+  EXPECT_FALSE(std::filesystem::exists(picture));
+}
+
+TEST(Tool, TablesFitEightyColumns) {
+  for (const std::string& arguments : {std::string("scenes"), "compare " + small + quick, "info " + small,
+                                       "sweep " + small + quick + "--alphas 1,0",
+                                       std::string("bench sticks:detail=0.001 --peers none --threads 1")}) {
+    const std::string output = run_tool(arguments).output;
+    for (std::size_t begin = 0; begin < output.size();) {
+      const std::size_t end = output.find('\n', begin);
+      const std::string line = output.substr(begin, end - begin);
+      const auto columns = std::count_if(line.begin(), line.end(), [](char byte) {
+        return (static_cast<unsigned char>(byte) & 0xc0) != 0x80;
+      });
+      EXPECT_LE(columns, 80) << line;
+      begin = end + 1;
+    }
   }
 }
 

@@ -15,8 +15,12 @@ Outcome run_command(const std::string& command) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_bytes(output), read_bytes(errors)};
 }
 
+std::string tool() {
+  return "'" KERF_TOOL "'";
+}
+
 Outcome run_tool(const std::string& arguments) {
-  return run_command(KERF_TOOL " " + arguments);
+  return run_command(tool() + " " + arguments);
 }
 
 }  // namespace kerf_tests

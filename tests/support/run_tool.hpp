@@ -14,6 +14,9 @@ struct Outcome {
 /// `command` in a shell, its input empty.
 Outcome run_command(const std::string& command);
 
+/// The tool as a word for a command.
+std::string tool();
+
 /// `kerf` with `arguments`, as one would type them in a shell.
 Outcome run_tool(const std::string& arguments);
 

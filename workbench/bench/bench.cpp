@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
 #include <kerf/inspect.hpp>
 #include <kerf/kerf.hpp>
 #include <tbb/global_control.h>
@@ -121,11 +123,11 @@ std::vector<BenchRays> trace_all(std::span<const Way> ways, const RaySet& set, c
         [&span_tracer](std::size_t begin, std::size_t end) { span_tracer.trace(begin, end); });
   }
   if (ray_count == 0) return figures;
-  const std::vector<double> seconds =
+  const std::vector<SliceTimes> times =
       time_slices(trace_ranges, ray_count, (ray_count + slice_size - 1) / slice_size,
                   {.rounds = options.trace_rounds, .seconds = options.trace_seconds});
   for (std::size_t i = 0; i < figures.size(); ++i) {
-    figures[i].mrays_per_s = 1e-6 * static_cast<double>(ray_count) / seconds[i];
+    figures[i].mrays_per_s = 1e-6 * static_cast<double>(ray_count) / times[i].seconds;
   }
   return figures;
 }
@@ -170,12 +172,13 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   kerf::BuildOptions defaults;
   defaults.threads = options.threads;
   const kerf::Bvh bvh = kerf::build(mesh, defaults);
+  const RaySetOptions pixels = affordable(scene, bvh, options.rays);
   if (options.limits) figures.limits = {.times = measure_steps(), .counts = {}};
   double fraction = 0.5;
   for (const RayType type : ray_types) {
     progress.show(fraction, "tracing " + std::string(name(type)));
     fraction += 0.5 / std::size(ray_types);
-    const RaySet set = make_rays(scene, bvh, type, options.rays);
+    const RaySet set = make_rays(scene, bvh, type, pixels);
     const std::vector<BenchRays> rays = trace_all(all_ways, set, options);
     for (std::size_t i = 0; i < rays.size(); ++i) figures.results[i].rays.push_back(rays[i]);
     if (figures.limits) figures.limits->counts[static_cast<std::size_t>(type)] = count_steps(bvh, set);
@@ -184,7 +187,41 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   const kerf::Tree tree = kerf::build_tree(mesh, defaults);
   figures.sah = kerf::surface_area_cost(tree);
   figures.references = tree.references().size();
+  figures.remarks = remarks_on(figures);
+  if (!(pixels == options.rays)) {
+    figures.remarks.push_back(fmt::format(
+        "Each viewpoint has {}x{} pixels, not {}x{}: so much lies over one another that a ray visits "
+        "thousands of nodes and triangles.",
+        pixels.width, pixels.height, options.rays.width, options.rays.height));
+  }
   return figures;
+}
+
+std::vector<std::string> remarks_on(const BenchScene& scene) {
+  // Rays that leak between triangles are some per million. Where surfaces touch, that one or another of them
+  // is hit changes no count.
+  constexpr double leaks = 0.005;
+  constexpr double a_few = 16.0;
+  std::vector<std::string> remarks;
+  if (scene.results.empty() || scene.results.front().engine != "kerf") return remarks;
+  const BenchResult& kerf = scene.results.front();
+  for (const BenchResult& peer : scene.results) {
+    if (peer.engine == "kerf") continue;
+    for (std::size_t i = 0; i < std::min(peer.rays.size(), kerf.rays.size()); ++i) {
+      const double ours = static_cast<double>(kerf.rays[i].hits),
+                   theirs = static_cast<double>(peer.rays[i].hits);
+      if (std::abs(ours - theirs) <= std::max(leaks * std::max(ours, theirs), a_few)) continue;
+      remarks.push_back(fmt::format(
+          "{} hits {} of the {} rays that kerf hits {} of, {}. It did not do the same work, so its speed is "
+          "none "
+          "to compare with. Boxes without thickness, of flat meshes, and coordinates of 1e18 and more are "
+          "what "
+          "traversals without bounds on their rounding miss.",
+          peer.engine, peer.rays[i].hits, peer.rays[i].count, kerf.rays[i].hits, name(peer.rays[i].type)));
+      break;  // the first type says it
+    }
+  }
+  return remarks;
 }
 
 }  // namespace workbench

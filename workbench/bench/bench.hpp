@@ -49,7 +49,8 @@ struct BenchScene {
   double sah = 0.0;            ///< of kerf's tree
   std::size_t references = 0;  ///< of kerf's tree
   std::vector<BenchResult> results;
-  std::optional<Limits> limits = {};  ///< of kerf, if they were asked for
+  std::vector<std::string> remarks = {};  ///< on what the figures do not say: see `remarks_on`
+  std::optional<Limits> limits = {};      ///< of kerf, if they were asked for
 };
 
 struct BenchOptions {
@@ -63,6 +64,10 @@ struct BenchOptions {
   bool limits = false;  ///< also measure how fast kerf could be at best
   std::function<void(double fraction, std::string_view what)> progress;
 };
+
+/// Sentences on peers whose hits differ from kerf's by more than leaks at edges explain: they did not trace
+/// the same, and their speed is none to compare with.
+std::vector<std::string> remarks_on(const BenchScene& scene);
 
 /// Builds and traces `scene` with all `engines`. Rounds of the engines are interleaved, so that what slows
 /// the machine for a while slows all of them.

@@ -46,6 +46,7 @@ bool are_compared(const BenchScene& scene, const BenchResult& kerf, const BenchR
 class GeometricMean {
  public:
   void add(double value) {
+    if (!std::isfinite(value) || value <= 0.0) return;  // of rays or engines that there are none of
     sum_ += std::log(value);
     ++count_;
   }
@@ -68,6 +69,7 @@ Ratios ratios(std::span<const BenchScene> scenes, const BenchResult& kerf, const
     const BenchResult* theirs = find(scene, peer);
     if (ours == nullptr || theirs == nullptr) continue;
     for (std::size_t i = 0; i < ours->rays.size(); ++i) {
+      if (ours->rays[i].count == 0) continue;  // nothing was hit from which rays could begin
       const double ratio = ours->rays[i].mrays_per_s / theirs->rays[i].mrays_per_s;
       all.add(ratio);
       if (ours->rays[i].type == RayType::primary) primary.add(ratio);
@@ -81,7 +83,7 @@ Ratios ratios(std::span<const BenchScene> scenes, const BenchResult& kerf, const
     builds.add(build);
     ratios.build_min = std::min(ratios.build_min, build);
     const auto share = [](std::size_t a, std::size_t b) {
-      return static_cast<double>(a) / static_cast<double>(b);
+      return b == 0 ? 0.0 : static_cast<double>(a) / static_cast<double>(b);
     };
     ratios.bytes_max = std::max(ratios.bytes_max, share(ours->bytes, theirs->bytes));
     ratios.peak_bytes_max =
@@ -140,8 +142,10 @@ std::string format_scene(const BenchScene& scene, Emphasis emphasis) {
                               [i](const BenchResult& r) { return static_cast<double>(r.rays[i].hits); }));
     for (Cell& cell : columns.back().cells) cell.best = false;
   }
-  return fmt::format("{}: {} triangles, {} references, SAH {:.2f}\n{}\n", scene.name, scene.triangles,
-                     scene.references, scene.sah, format(columns, emphasis));
+  std::string text = fmt::format("{}: {} triangles, {} references, SAH {:.2f}\n{}", scene.name,
+                                 scene.triangles, scene.references, scene.sah, format(columns, emphasis));
+  for (const std::string& remark : scene.remarks) text += fold_text("Note: " + remark);
+  return text + "\n";
 }
 
 // How fast kerf could be at best, and which fraction of that it reaches.
@@ -164,6 +168,11 @@ std::string format_limits(const BenchScene& scene) {
     Column took{.head = result.mode + " ns", .cells = {}}, reached{.head = "efficiency", .cells = {}};
     for (std::size_t i = 0; i < result.rays.size(); ++i) {
       const double speed = result.rays[i].mrays_per_s;
+      if (!(speed > 0.0)) {  // there were no such rays
+        took.cells.emplace_back();
+        reached.cells.emplace_back();
+        continue;
+      }
       took.cells.push_back({fmt::format("{:.1f}", 1e3 / speed)});
       reached.cells.push_back(
           {fmt::format("{:.2f}", efficiency(floor_ns(limits.times, limits.counts[i]), speed))});
@@ -184,7 +193,7 @@ nlohmann::ordered_json limits_json(const BenchScene& scene) {
     const double floor = floor_ns(limits.times, counts);
     nlohmann::ordered_json efficiencies;
     for (const BenchResult& result : scene.results) {
-      if (is_kerf(result) && !is_second_of_two(scene, result))
+      if (is_kerf(result) && !is_second_of_two(scene, result) && result.rays[i].count > 0)
         efficiencies[result.mode] = efficiency(floor, result.rays[i].mrays_per_s);
     }
     rays[std::string(name(ray_types[i]))] = {{"steps", counts.nodes},
@@ -273,6 +282,7 @@ nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRu
       results.push_back(std::move(entry));
     }
     list.push_back({{"name", scene.name}, {"triangles", scene.triangles}, {"results", std::move(results)}});
+    if (!scene.remarks.empty()) list.back()["remarks"] = scene.remarks;
     if (scene.limits) list.back()["limits"] = limits_json(scene);
   }
   return {

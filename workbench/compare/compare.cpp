@@ -99,6 +99,7 @@ class Measurement {
              "build again");
       for (std::size_t i = 0; i < contenders_.size(); ++i) build(i, [](const kerf::Tree&) {});
     }
+    bound_rays();
     for (const RayType type : ray_types) trace(type);
     report(1.0, "done");
     return std::move(result_);
@@ -138,7 +139,9 @@ class Measurement {
       report(step * (static_cast<double>(i) + 0.5), "measure " + rows[0].name);
       result_.figures.degenerate_triangles = tree.degenerate_triangles();
       rows[0].sah = surface_area_cost(tree);
-      rows[0].epo = end_point_overlap(tree);
+      const kerf::Estimate epo = estimate_end_point_overlap(tree);
+      rows[0].epo = epo.value;
+      rows[0].epo_error = epo.standard_error;
       rows[0].lcv = leaf_count_variability(tree);
       for (std::size_t structure = 0; options_.device != nullptr && structure < rows.size(); ++structure)
         uploaded_.push_back(options_.device->upload(tree, structure));
@@ -147,6 +150,7 @@ class Measurement {
       BuilderFigures& figures = rows[structure];
       figures.sah = rows[0].sah;
       figures.epo = rows[0].epo;
+      figures.epo_error = rows[0].epo_error;
       figures.lcv = rows[0].lcv;
       if (options_.device != nullptr) {
         const DeviceHierarchy& uploaded = *uploaded_[i * rows.size() + structure];
@@ -162,11 +166,28 @@ class Measurement {
     }
   }
 
+  void bound_rays() {
+    rays_ = options_.rays;
+    if (options_.bound_rays) rays_ = affordable(scene_, result_.hierarchies.front(), options_.rays);
+    if (!(rays_ == options_.rays)) {
+      result_.figures.remark = fmt::format(
+          "each viewpoint has {}x{} pixels, not {}x{}: so much lies over one another that a ray visits "
+          "thousands of nodes and triangles",
+          rays_.width, rays_.height, options_.rays.width, options_.rays.height);
+    }
+    for (const BuilderFigures& figures : result_.figures.builders) {
+      if (figures.epo_error > 0.0)
+        result_.figures.remark +=
+            fmt::format("{}the EPO of {} is from a sample, with a standard error of {:.1g}",
+                        result_.figures.remark.empty() ? "" : "; ", figures.name, figures.epo_error);
+    }
+  }
+
   void trace(RayType type) {
     const auto place = static_cast<std::size_t>(type);
     report(builds_end + (1.0 - builds_end) * static_cast<double>(place) / std::size(ray_types),
            fmt::format("trace {} rays", title(type)));
-    const RaySet set = make_rays(scene_, result_.hierarchies.front(), type, options_.rays);
+    const RaySet set = make_rays(scene_, result_.hierarchies.front(), type, rays_);
     // A device's hits must be those of the CPU.
     std::vector<kerf::Hit> expected;
     if (options_.device != nullptr) {
@@ -189,34 +210,43 @@ class Measurement {
         builders[i].disagreements += count_differences(pass.hits, expected);
     }
     if (set.rays.empty()) return;
-    const std::vector<double> seconds = options_.device != nullptr ? time_on_device() : time_here(set);
-    for (std::size_t i = 0; i < builders.size(); ++i)
-      builders[i].rays[place].mrays_per_s = 1e-6 * static_cast<double>(set.rays.size()) / seconds[i];
+    const std::vector<SliceTimes> times = options_.device != nullptr ? time_on_device() : time_here(set);
+    const double mrays = 1e-6 * static_cast<double>(set.rays.size());
+    for (std::size_t i = 0; i < builders.size(); ++i) {
+      builders[i].rays[place].mrays_per_s = mrays / times[i].seconds;
+      builders[i].rays[place].median_mrays_per_s = mrays / times[i].median_round;
+    }
   }
 
-  std::vector<double> time_here(const RaySet& set) const {
+  std::vector<SliceTimes> time_here(const RaySet& set) const {
     return time_hierarchies(result_.hierarchies, set,
                             {.rounds = options_.rounds, .seconds = options_.seconds_per_type});
   }
 
   // Round after round, each hierarchy in turn; the best time of each counts.
-  std::vector<double> time_on_device() const {
-    std::vector<double> best(uploaded_.size(), std::numeric_limits<double>::infinity());
+  std::vector<SliceTimes> time_on_device() const {
+    std::vector<std::vector<double>> rounds(uploaded_.size());
     double total = 0.0;
     for (unsigned round = 0; round < options_.rounds || total < device_share * options_.seconds_per_type;
          ++round) {
       for (std::size_t i = 0; i < uploaded_.size(); ++i) {
         const double seconds = uploaded_[i]->time();
-        best[i] = std::min(best[i], seconds);
+        rounds[i].push_back(seconds);
         total += std::max(seconds, min_call);
       }
     }
-    return best;
+    std::vector<SliceTimes> times;
+    for (std::vector<double>& of_one : rounds) {
+      std::sort(of_one.begin(), of_one.end());
+      times.push_back({of_one.front(), of_one[of_one.size() / 2]});
+    }
+    return times;
   }
 
   const Scene& scene_;
   const CompareOptions& options_;
   const kerf::TriangleMesh mesh_;
+  RaySetOptions rays_;
   std::vector<Contender> contenders_;
   std::vector<std::string> structures_ = {""};
   Comparison result_;

@@ -26,9 +26,10 @@ struct Contender {
 struct RayFigures {
   std::size_t count = 0;
   std::size_t hits = 0;
-  double steps = 0.0;           ///< inner-node visits per ray
-  double triangle_tests = 0.0;  ///< triangle tests per ray
-  double mrays_per_s = 0.0;     ///< on one thread (see `time_slices`) or on the device, the builders in turn
+  double steps = 0.0;               ///< inner-node visits per ray
+  double triangle_tests = 0.0;      ///< triangle tests per ray
+  double median_mrays_per_s = 0.0;  ///< in the middle one of the rounds
+  double mrays_per_s = 0.0;  ///< on one thread (see `time_slices`) or on the device, the builders in turn
 };
 
 /// What one contender built, and its measures.
@@ -39,6 +40,7 @@ struct BuilderFigures {
   double build_ms = 0.0;  ///< best of the rounds; esc and evh include the search for their threshold
   double sah = 0.0;
   double epo = 0.0;
+  double epo_error = 0.0;  ///< standard error of `epo`; 0 where it is exact
   double lcv = 0.0;
   std::size_t references = 0;
   std::size_t nodes = 0;
@@ -52,6 +54,7 @@ struct SceneFigures {
   std::string device = {};  ///< that traced; empty for the CPU
   std::size_t triangles = 0;
   std::size_t degenerate_triangles = 0;
+  std::string remark = {};               ///< on how it was measured, if that is not as always
   std::vector<BuilderFigures> builders;  ///< in the order of the contenders
 
   std::size_t disagreements() const;
@@ -63,6 +66,7 @@ struct CompareOptions {
   TracingDevice* device = nullptr;  ///< that traces in place of the CPU, each tree in each of its structures
   unsigned threads = 0;             ///< that build and count, 0 for all there are; rays are timed on one
   RaySetOptions rays = {};          ///< size of each viewpoint's picture
+  bool bound_rays = true;           ///< smaller pictures where rays visit so much that it would take hours
   unsigned rounds = 3;              ///< of timing, at least
   double seconds_per_type = 1.0;  ///< more rounds follow until all hierarchies together traced for this long
 

@@ -18,7 +18,8 @@ Json to_json(const RayFigures& rays) {
           {"hits", rays.hits},
           {"steps", rays.steps},
           {"triangle_tests", rays.triangle_tests},
-          {"mrays_per_s", rays.mrays_per_s}};
+          {"mrays_per_s", rays.mrays_per_s},
+          {"median_mrays_per_s", rays.median_mrays_per_s}};
 }
 
 Json to_json(const BuilderFigures& builder) {
@@ -32,6 +33,7 @@ Json to_json(const BuilderFigures& builder) {
                    {"build_ms", builder.build_ms},
                    {"sah", builder.sah},
                    {"epo", builder.epo},
+                   {"epo_standard_error", builder.epo_error},
                    {"lcv", builder.lcv},
                    {"references", builder.references},
                    {"nodes", builder.nodes},
@@ -49,6 +51,7 @@ nlohmann::ordered_json to_json(std::span<const SceneFigures> scenes, std::string
     Json builders = Json::array();
     for (const BuilderFigures& builder : scene.builders) builders.push_back(to_json(builder));
     list.push_back({{"name", scene.name}, {"triangles", scene.triangles}, {"builders", std::move(builders)}});
+    if (!scene.remark.empty()) list.back()["remark"] = scene.remark;
   }
   Json json{{"kerf", version}};
   if (!scenes.empty() && !scenes[0].device.empty()) json["device"] = scenes[0].device;

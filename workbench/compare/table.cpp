@@ -18,7 +18,8 @@ std::string heading(const SceneFigures& scene) {
     text += fmt::format(", {} of them degenerate and left out", format_count(scene.degenerate_triangles));
   }
   if (!scene.device.empty()) text += fmt::format("; traced by {}", scene.device);
-  return text + "\n";
+  text += "\n";
+  return scene.remark.empty() ? text : text + fold_text("Note: " + scene.remark + ".");
 }
 
 // What a row is called.

@@ -54,8 +54,8 @@ CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned thre
   return pass;
 }
 
-std::vector<double> time_hierarchies(std::span<const kerf::Bvh> hierarchies, const RaySet& set,
-                                     const TimingOptions& options) {
+std::vector<SliceTimes> time_hierarchies(std::span<const kerf::Bvh> hierarchies, const RaySet& set,
+                                         const TimingOptions& options) {
   std::vector<kerf::Hit> hits(set.rays.size());
   std::vector<TraceRange> tracers;
   for (const kerf::Bvh& bvh : hierarchies) {

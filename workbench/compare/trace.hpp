@@ -25,7 +25,7 @@ CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned thre
 
 /// The seconds that each hierarchy takes for the set, interleaved with the others (see `time_slices`): ray by
 /// ray through the public calls, on one thread.
-std::vector<double> time_hierarchies(std::span<const kerf::Bvh> hierarchies, const RaySet& set,
-                                     const TimingOptions& options);
+std::vector<SliceTimes> time_hierarchies(std::span<const kerf::Bvh> hierarchies, const RaySet& set,
+                                         const TimingOptions& options);
 
 }  // namespace workbench

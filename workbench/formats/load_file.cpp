@@ -36,7 +36,8 @@ std::string format_of(const std::filesystem::path& file) {
   const std::string extension = lower_case(unpacked.extension().string());
   if (std::find(known.begin(), known.end(), extension) == known.end() || (packed && extension == ".kerf")) {
     raise(Error::bad_format, file,
-          "of unknown type; known are .obj .ply .stl .gltf .glb, each also with .gz appended, and .kerf");
+          "of unknown type; known are .obj .ply .stl .gltf .glb, each also with .gz appended, and .kerf; "
+          "--format names it whatever the file is called");
   }
   return extension;
 }
@@ -50,10 +51,10 @@ ReadMesh read(const std::filesystem::path& file, std::string_view format, const 
 
 }  // namespace
 
-Scene load_file(const std::filesystem::path& file) {
+Scene load_file(const std::filesystem::path& file, std::string_view given) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) raise(Error::io, file, "no such file");
-  const std::string format = format_of(file);
+  const std::string format = given.empty() ? format_of(file) : std::string(".").append(given);
   if (format == ".kerf") return load_hierarchy(file);
   const FileBytes bytes(file);
   const bool is_wide_text = bytes.view().starts_with("\xff\xfe") || bytes.view().starts_with("\xfe\xff");

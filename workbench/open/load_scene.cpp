@@ -1,5 +1,11 @@
 #include "workbench/open/load_scene.hpp"
 
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "workbench/base/nearest_word.hpp"
 #include "workbench/base/raise.hpp"
 #include "workbench/formats/load_file.hpp"
 #include "workbench/generate/generated_scenes.hpp"
@@ -38,23 +44,36 @@ void rotate(Scene& scene, double degrees) {
   }
 }
 
-Scene load_source(const SceneSpec& spec) {
-  if (const GeneratedScene* generated = find_generated_scene(spec.source)) {
+// What a user wrote who may have misspelt a generated scene: a word that is no path and no file.
+[[noreturn]] void raise_no_such(const std::string& source) {
+  if (source.find_first_of("./") != std::string::npos) raise(kerf::Error::io, source, "no such file");
+  std::vector<std::string> names;
+  for (const GeneratedScene& scene : generated_scenes()) names.emplace_back(scene.name);
+  raise(kerf::Error::io, source, "no such file, and no generated scene of that name{}{}",
+        did_you_mean(source, names), " (kerf scenes lists them)");
+}
+
+Scene load_source(const SceneSpec& spec, std::string_view format) {
+  if (const GeneratedScene* generated = format.empty() ? find_generated_scene(spec.source) : nullptr) {
     return generated->generate(spec.detail.value_or(1.0));
   }
   if (spec.detail) {
     raise(kerf::Error::invalid_argument, spec.source, "detail is for generated scenes, not for files");
   }
-  Scene scene = load_file(spec.source);
+  const std::string file = spec.source == "-" ? "/dev/stdin" : spec.source;
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) raise_no_such(file);
+  Scene scene = load_file(file, format);
   scene.viewpoints = choose_viewpoints(scene.mesh());
+  scene.has_authored_viewpoints = false;
   return scene;
 }
 
 }  // namespace
 
-Scene load_scene(std::string_view text) {
+Scene load_scene(std::string_view text, std::string_view format) {
   const SceneSpec spec = parse_scene_spec(text);
-  Scene scene = load_source(spec);
+  Scene scene = load_source(spec, format);
   if (spec.rotate != 0.0) {
     rotate(scene, spec.rotate);
     scene.hierarchy.reset();  // it belongs to the vertices that were saved

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include <kerf/inspect.hpp>
+
 #include "workbench/base/vectors.hpp"
 #include "workbench/rays/camera.hpp"
 #include "workbench/sampling/angles.hpp"
@@ -136,6 +138,29 @@ RaySet make_rays(const Scene& scene, const Bvh& bvh, RayType type, const RaySetO
   }
   set.maker = std::move(maker);
   return set;
+}
+
+RaySetOptions affordable(const Scene& scene, const Bvh& bvh, const RaySetOptions& options,
+                         std::uint64_t max_visits) {
+  constexpr RaySetOptions probe{.width = 32, .height = 24};
+  TraversalCounters counters;
+  std::size_t traced = 0;
+  const auto visits = [&] { return counters.steps + counters.triangle_tests; };
+  for (const Ray& ray : primary_rays(scene, probe).rays) {
+    intersect(bvh, ray, counters);
+    ++traced;
+    if (visits() > max_visits / 4) break;
+  }
+  if (traced == 0) return options;
+  const double rays = static_cast<double>(scene.viewpoints.size() * options.width * options.height);
+  const double wanted = static_cast<double>(visits()) / static_cast<double>(traced) * rays;
+  if (wanted <= static_cast<double>(max_visits)) return options;
+  const double scale = std::sqrt(static_cast<double>(max_visits) / wanted);
+  const auto shrink = [&](std::size_t side) {
+    const auto tiles = static_cast<std::size_t>(scale * static_cast<double>(side) / tile_size);
+    return std::min(side, std::max<std::size_t>(tiles, 1) * tile_size);
+  };
+  return {.width = shrink(options.width), .height = shrink(options.height)};
 }
 
 }  // namespace workbench

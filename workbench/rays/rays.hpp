@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -38,10 +39,21 @@ struct RaySet {
 struct RaySetOptions {
   std::size_t width = 256;  ///< pixels of each viewpoint
   std::size_t height = 192;
+
+  bool operator==(const RaySetOptions&) const = default;
 };
 
 /// The rays of `type` for all viewpoints of `scene`. `bvh` is any hierarchy of the scene, which finds the
 /// primary hits from which secondary rays start.
 RaySet make_rays(const Scene& scene, const kerf::Bvh& bvh, RayType type, const RaySetOptions& options = {});
+
+/// Visits of nodes and tests of triangles that the rays of one type may take. Scenes that are scenes take a
+/// fraction of it; where everything lies over one another, a ray tests every triangle.
+inline constexpr std::uint64_t max_visits_of_a_pass = std::uint64_t{1} << 28;
+
+/// `options`, or a smaller picture if its primary rays would take more than `max_visits`. The same on every
+/// run, since it counts and does not time.
+RaySetOptions affordable(const Scene& scene, const kerf::Bvh& bvh, const RaySetOptions& options,
+                         std::uint64_t max_visits = max_visits_of_a_pass);
 
 }  // namespace workbench

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
+#include <fmt/format.h>
 #include <kerf/inspect.hpp>
 
 #include "workbench/base/parallel.hpp"
@@ -29,6 +31,30 @@ constexpr float round_ends[] = {1.0f, 1.2f, 1.6f, 2.0f, 2.4f, 2.8f, 3.2f, 4.0f, 
 // The fraction of the pixels that may lie beyond the end of the scale. Without it, a few extreme rays would
 // darken all others.
 constexpr double clipped_fraction = 0.002;
+
+// Digits of three by five dots, row after row, for numbers in pictures. The last is the point.
+constexpr std::array<std::string_view, 11> digits{"####.##.##.####", ".#.##..#..#.###", "###..#####..###",
+                                                  "###..####..####", "#.##.####..#..#", "####..###..####",
+                                                  "####..####.####", "###..#..#..#..#", "####.#####.####",
+                                                  "####.####..####", ".............#."};
+constexpr std::size_t dot_size = 2;  // pixels
+
+void fill(Image& image, std::size_t x0, std::size_t y0, std::size_t width, std::size_t height, Pixel pixel) {
+  for (std::size_t y = y0; y < std::min(y0 + height, image.height); ++y) {
+    for (std::size_t x = x0; x < std::min(x0 + width, image.width); ++x) image.at(x, y) = pixel;
+  }
+}
+
+void draw_number(Image& image, std::size_t x, std::size_t y, std::string_view number) {
+  for (const char c : number) {
+    const std::string_view dots = digits[c == '.' ? 10 : static_cast<std::size_t>(c - '0')];
+    for (std::size_t i = 0; i < dots.size(); ++i) {
+      if (dots[i] == '#')
+        fill(image, x + i % 3 * dot_size, y + i / 3 * dot_size, dot_size, dot_size, {255, 255, 255});
+    }
+    x += 4 * dot_size;
+  }
+}
 
 }  // namespace
 
@@ -78,6 +104,25 @@ Image colour(const HeatMap& map, float scale) {
   std::transform(map.costs.begin(), map.costs.end(), image.pixels.begin(),
                  [scale](float cost) { return heat_colour(cost / scale); });
   return image;
+}
+
+void draw_legend(Image& image, float scale) {
+  constexpr std::size_t margin = 8, bar_width = 200, bar_height = 10, gap = 4, number_height = 5 * dot_size;
+  constexpr std::size_t width = bar_width + 40 + 2 * margin;  // the last number stands out
+  constexpr std::size_t height = bar_height + gap + number_height + 2 * margin;
+  if (image.width < width || image.height < 2 * height) return;
+  const std::size_t top = image.height - height;
+  fill(image, 0, top, width, height, {0, 0, 0});
+  for (std::size_t x = 0; x < bar_width; ++x) {
+    const float fraction = static_cast<float>(x) / static_cast<float>(bar_width - 1);
+    fill(image, margin + x, top + margin, 1, bar_height, heat_colour(fraction));
+  }
+  for (std::size_t quarter = 0; quarter <= 4; ++quarter) {
+    const std::size_t x = margin + quarter * (bar_width - 1) / 4;
+    fill(image, x, top + margin + bar_height, 1, gap - 1, {255, 255, 255});
+    draw_number(image, x, top + margin + bar_height + gap,
+                fmt::format("{:.4g}", 0.25f * static_cast<float>(quarter) * scale));
+  }
 }
 
 }  // namespace workbench

@@ -31,4 +31,8 @@ Pixel heat_colour(float fraction);
 /// `map` in the colours of a scale from 0 to `scale`.
 Image colour(const HeatMap& map, float scale);
 
+/// Draws the scale into the lower left corner: its colours, and numbers at its quarters. Leaves pictures as
+/// they are that are too small for it.
+void draw_legend(Image& image, float scale);
+
 }  // namespace workbench

@@ -35,6 +35,9 @@ constexpr Vec3f bounced_light{0.07f, 0.055f, 0.04f};  // what reaches corners fr
 constexpr Vec3f zenith{0.14f, 0.27f, 0.52f};
 constexpr Vec3f horizon{0.62f, 0.72f, 0.84f};
 
+// Behind what is open on all sides, and therefore white, in pictures of ambient occlusion.
+constexpr Vec3f behind{0.09f, 0.12f, 0.17f};
+
 Vec3f mix(const Vec3f& a, const Vec3f& b, float t) {
   return (1.0f - t) * a + t * b;
 }
@@ -183,9 +186,9 @@ Image render_ambient_occlusion(const Scene& scene, const Bvh& bvh, const Viewpoi
   const Studio studio(scene, bvh, viewpoint);
   return render(viewpoint, options, [&](const Ray& ray, RandomNumbers& random) {
     const auto surface = studio.hit(ray);
+    if (!surface) return behind;
     // `develop` makes almost white of 2.
-    const float light =
-        surface ? 2.0f * studio.openness(*surface, ambient_reach, options.ambient_samples, random) : 2.0f;
+    const float light = 2.0f * studio.openness(*surface, ambient_reach, options.ambient_samples, random);
     return Vec3f{light, light, light};
   });
 }

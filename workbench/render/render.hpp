@@ -24,7 +24,7 @@ struct RenderOptions {
 Image render_shaded(const Scene& scene, const kerf::Bvh& bvh, const Viewpoint& viewpoint,
                     const RenderOptions& options);
 
-/// Ambient occlusion alone: white where nothing is near, dark in corners.
+/// Ambient occlusion alone: white where nothing is near, dark in corners, before a dull blue.
 Image render_ambient_occlusion(const Scene& scene, const kerf::Bvh& bvh, const Viewpoint& viewpoint,
                                const RenderOptions& options);
 

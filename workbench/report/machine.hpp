@@ -6,7 +6,7 @@
 namespace workbench {
 
 struct Machine {
-  std::string processor;  ///< as the operating system calls it
+  std::string processor;  ///< as the operating system calls it, with its family and model
   unsigned threads = 0;   ///< hardware threads that the operating system offers
   std::string system;     ///< the distribution and the kernel
   std::string compiler;   ///< that this program was compiled with

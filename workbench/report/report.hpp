@@ -33,12 +33,11 @@ struct Report {
   std::string version;  ///< of kerf
   std::string date;
   unsigned threads = 1;  ///< that built
+  std::string target;    ///< the instruction set that traced
   Machine machine;
 };
 
-/// The page. Once it has loaded, its root element has the numbers of charts and pictures in
-/// `data-charts-drawn` and `data-pictures-shown`, and in `data-errors` the number of script errors and of
-/// loads that failed or were refused.
+/// The page. It loads nothing and runs no script; its figures are in it as JSON, too.
 std::string render_html(const Report& report);
 
 /// Renders the scene from its first viewpoint through every hierarchy. The heat views share one scale.

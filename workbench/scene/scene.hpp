@@ -37,8 +37,9 @@ struct Scene {
   std::string name;  ///< as the user wrote it
   std::vector<kerf::Vec3f> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<Viewpoint> viewpoints;  ///< three or more
-  SceneContents contents = {};        ///< of a file; empty for generated scenes
+  std::vector<Viewpoint> viewpoints;    ///< three or more
+  bool has_authored_viewpoints = true;  ///< of generated scenes; false: chosen, without knowing what is up
+  SceneContents contents = {};          ///< of a file; empty for generated scenes
 
   /// Of a .kerf file, as it was saved; its hits have the places of `triangles` for primitives.
   std::optional<kerf::Bvh> hierarchy = {};

@@ -119,23 +119,37 @@ std::vector<Viewpoint> choose_inside(const TriangleMesh& mesh, const Box3f& boun
   return chosen;
 }
 
-// From as near as possible for a picture of 4 by 3 to show all vertices.
-Viewpoint look_from_outside(const TriangleMesh& mesh, const Vec3f& center, float radius,
-                            const Vec3f& direction) {
+// A sphere around the mesh.
+struct Ball {
+  Vec3f center;
+  float radius;
+};
+
+Ball ball_around(const Box3f& bounds) {
+  const Vec3f center = 0.5f * bounds.lower + 0.5f * bounds.upper;
+  const float far_from_origin = std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)});
+  // A mesh without extent is viewed from a distance that is not rounded away.
+  const float radius = std::max(0.5f * length(extent(bounds)), 1e-5f * far_from_origin);
+  return {center, radius == 0.0f ? 1.0f : radius};
+}
+
+// From as near as possible for a picture of `aspect` to show all vertices.
+Viewpoint look_from_outside(const TriangleMesh& mesh, const Ball& ball, const Vec3f& direction,
+                            const Vec3f& up, float aspect) {
   constexpr float field_of_view = 45.0f, half_height = 0.41421356f;  // tan(45 degrees / 2)
-  constexpr float aspect = 4.0f / 3.0f, margin = 1.03f;
-  const Vec3f right = normalize(cross({0, 1, 0}, direction)), up = cross(direction, right);
-  float distance = radius;
+  constexpr float margin = 1.03f;
+  const Vec3f right = normalize(cross(up, direction)), above = cross(direction, right);
+  float distance = ball.radius;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (const std::uint32_t index : mesh.triangles[i].values) {
-      const Vec3f p = vertex(mesh, index) - center;
-      const float aside = std::max(std::abs(dot(p, up)), std::abs(dot(p, right)) / aspect);
+      const Vec3f p = vertex(mesh, index) - ball.center;
+      const float aside = std::max(std::abs(dot(p, above)), std::abs(dot(p, right)) / aspect);
       distance = std::max(distance, dot(p, direction) + margin * aside / half_height);
     }
   }
-  return {.position = center + distance * direction,
-          .target = center,
-          .up = {0, 1, 0},
+  return {.position = ball.center + distance * direction,
+          .target = ball.center,
+          .up = up,
           .vertical_field_of_view = field_of_view};
 }
 
@@ -143,18 +157,31 @@ Viewpoint look_from_outside(const TriangleMesh& mesh, const Vec3f& center, float
 
 std::vector<Viewpoint> choose_viewpoints(const TriangleMesh& mesh) {
   const Box3f bounds = bounds_of(mesh);
-  const Vec3f center = 0.5f * bounds.lower + 0.5f * bounds.upper;
-  const float far_from_origin = std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)});
-  // A mesh without extent is viewed from a distance that is not rounded away.
-  float radius = std::max(0.5f * length(extent(bounds)), 1e-5f * far_from_origin);
-  if (radius == 0.0f) radius = 1.0f;
-
-  std::vector<Viewpoint> viewpoints = choose_inside(mesh, bounds, 2.0f * radius);
+  const Ball ball = ball_around(bounds);
+  std::vector<Viewpoint> viewpoints = choose_inside(mesh, bounds, 2.0f * ball.radius);
   for (const Vec3f& direction :
        {Vec3f{0.6f, 0.35f, 1.0f}, Vec3f{-1.0f, 0.2f, 0.35f}, Vec3f{0.5f, 1.0f, -0.9f}}) {
-    viewpoints.push_back(look_from_outside(mesh, center, radius, normalize(direction)));
+    viewpoints.push_back(look_from_outside(mesh, ball, normalize(direction), {0, 1, 0}, 4.0f / 3.0f));
   }
   return viewpoints;
+}
+
+std::optional<Viewpoint> named_view(const TriangleMesh& mesh, std::string_view name, const Vec3f& up,
+                                    float aspect) {
+  // Right, front and up as axes: x, z and y, or turned to another up.
+  const Vec3f above = normalize(up);
+  const Vec3f side = std::abs(above.x) > 0.9f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
+  const Vec3f front = normalize(cross(side, above)), right = cross(above, front);
+  Vec3f direction, upward = above;
+  if (name == "front") direction = front;
+  if (name == "back") direction = -1.0f * front;
+  if (name == "right") direction = right;
+  if (name == "left") direction = -1.0f * right;
+  if (name == "top") direction = above, upward = -1.0f * front;
+  if (name == "bottom") direction = -1.0f * above, upward = front;
+  if (name == "iso") direction = normalize(0.6f * right + 0.35f * above + front);
+  if (direction == Vec3f{}) return std::nullopt;
+  return look_from_outside(mesh, ball_around(bounds_of(mesh)), direction, upward, aspect);
 }
 
 }  // namespace workbench

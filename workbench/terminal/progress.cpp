@@ -3,20 +3,13 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
+
+#include "workbench/terminal/terminal.hpp"
 
 namespace workbench {
 namespace {
 
 constexpr std::size_t bar_width = 32;
-constexpr std::size_t default_columns = 80;
-
-std::size_t columns_of(std::FILE* stream) {
-  winsize size{};
-  if (ioctl(fileno(stream), TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return default_columns;
-  return size.ws_col;
-}
 
 }  // namespace
 
@@ -36,7 +29,7 @@ std::string draw_bar(double fraction, std::string_view what, std::size_t columns
                      what.substr(0, room));
 }
 
-ProgressBar::ProgressBar(std::FILE* stream) : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {}
+ProgressBar::ProgressBar(std::FILE* stream) : stream_(stream), terminal_(obeys_escapes(stream)) {}
 
 ProgressBar::~ProgressBar() {
   clear();

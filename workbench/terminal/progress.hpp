@@ -8,8 +8,8 @@
 
 namespace workbench {
 
-/// Draws on standard error if that is a terminal, and does nothing otherwise. The destructor removes the bar.
-/// Any thread may call `show`.
+/// Draws on standard error if that is a terminal that obeys escapes, and does nothing otherwise. The
+/// destructor removes the bar. Any thread may call `show`.
 class ProgressBar {
  public:
   explicit ProgressBar(std::FILE* stream = stderr);

@@ -18,9 +18,79 @@ std::string trim_end(std::string line) {
   return line + "\n";
 }
 
-}  // namespace
+// The width of a column with its gap and its mark.
+std::size_t full_width(const Column& column, Emphasis emphasis) {
+  std::size_t widest = width(column.head);
+  bool any_best = false;
+  for (const Cell& cell : column.cells) {
+    widest = std::max(widest, width(cell.text));
+    any_best |= cell.best;
+  }
+  return column.gap.size() + widest + (any_best && emphasis == Emphasis::mark);
+}
 
-std::string format(const std::vector<Column>& columns, Emphasis emphasis) {
+std::size_t full_width(const std::vector<Column>& columns, Emphasis emphasis) {
+  std::size_t sum = 0;
+  for (const Column& column : columns) sum += full_width(column, emphasis);
+  return sum;
+}
+
+// Lines of at most `room` characters, divided at blanks.
+std::vector<std::string> wrap(const std::string& text, std::size_t room) {
+  std::vector<std::string> lines(1);
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    if (!lines.back().empty() && width(lines.back()) + 1 + width(word) > room) lines.emplace_back();
+    lines.back() += (lines.back().empty() ? "" : " ") + word;
+    begin = end + 1;
+  }
+  return lines;
+}
+
+// The same table with the text of its last column on several lines.
+std::vector<Column> with_last_wrapped(const std::vector<Column>& columns, std::size_t room) {
+  std::vector<Column> result = columns;
+  for (Column& column : result) column.cells.clear();
+  const std::size_t last = columns.size() - 1;
+  for (std::size_t row = 0; row < columns[last].cells.size(); ++row) {
+    const std::vector<std::string> lines = wrap(columns[last].cells[row].text, room);
+    for (std::size_t line = 0; line < lines.size(); ++line) {
+      for (std::size_t c = 0; c < last; ++c) {
+        const bool filled = line == 0 && row < columns[c].cells.size();
+        result[c].cells.push_back(filled ? columns[c].cells[row] : Cell{});
+      }
+      result[last].cells.push_back({lines[line]});
+    }
+  }
+  return result;
+}
+
+// Blocks that are no wider than `max_width`, if their columns allow it.
+std::vector<std::vector<Column>> fold(const std::vector<Column>& columns, Emphasis emphasis,
+                                      std::size_t max_width) {
+  // All left-aligned columns at the beginning name the rows; where these alone are half as wide, the first.
+  std::size_t names = 0;
+  while (names < columns.size() && columns[names].left_aligned) ++names;
+  const auto first = columns.begin();
+  const auto behind = [&](std::size_t n) { return first + static_cast<std::ptrdiff_t>(n); };
+  std::vector<Column> lead(first, behind(names));
+  if (full_width(lead, emphasis) > max_width / 2) lead.assign(first, behind(1));
+
+  std::vector<std::vector<Column>> blocks{std::vector<Column>(first, behind(names))};
+  for (std::size_t begin = names; begin < columns.size();) {
+    std::size_t end = begin + 1;
+    while (end < columns.size() && columns[end].head.empty()) ++end;
+    const std::vector<Column> together(behind(begin), behind(end));
+    const std::size_t taken = full_width(blocks.back(), emphasis);
+    if (taken + full_width(together, emphasis) > max_width && begin > names) blocks.push_back(lead);
+    blocks.back().insert(blocks.back().end(), together.begin(), together.end());
+    begin = end;
+  }
+  return blocks;
+}
+
+std::string format_block(const std::vector<Column>& columns, Emphasis emphasis) {
   std::vector<std::size_t> widths;
   std::vector<bool> marked;  // columns in which rows without the mark have a blank instead
   std::size_t rows = 0;
@@ -59,6 +129,30 @@ std::string format(const std::vector<Column>& columns, Emphasis emphasis) {
     text += trim_end(std::move(line));
   }
   return text;
+}
+
+}  // namespace
+
+std::string format(const std::vector<Column>& columns, Emphasis emphasis, std::size_t max_width) {
+  if (columns.size() < 2 || full_width(columns, emphasis) <= max_width)
+    return format_block(columns, emphasis);
+  constexpr std::size_t min_room = 24;  // narrower text is hard to read
+  const std::vector<Column> rest(columns.begin(), columns.end() - 1);
+  const std::size_t taken = full_width(rest, emphasis) + columns.back().gap.size();
+  if (columns.back().left_aligned && taken + min_room <= max_width)
+    return format_block(with_last_wrapped(columns, max_width - taken), emphasis);
+  std::string text;
+  for (const std::vector<Column>& block : fold(columns, emphasis, max_width)) {
+    if (!text.empty()) text += "\n";
+    text += format_block(block, emphasis);
+  }
+  return text;
+}
+
+std::string fold_text(const std::string& text, std::size_t max_width) {
+  std::string folded;
+  for (const std::string& line : wrap(text, max_width)) folded += line + "\n";
+  return folded;
 }
 
 }  // namespace workbench

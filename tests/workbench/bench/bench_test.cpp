@@ -148,6 +148,33 @@ TEST(Bench, RatiosAreGeometricMeansAndMinima) {
   EXPECT_EQ(ratios[0].peak_bytes_max, 1.0);
 }
 
+TEST(Bench, RemarksOnAPeerThatHitsMuchLess) {
+  BenchScene scene = made_up("flat", 1.0);
+  for (BenchResult& result : scene.results) {
+    for (BenchRays& rays : result.rays) rays.count = 200'000, rays.hits = 118'805;
+  }
+  EXPECT_TRUE(remarks_on(scene).empty());
+  scene.results[1].rays[1].hits -= 12;
+  EXPECT_TRUE(remarks_on(scene).empty()) << "a few rays leak";
+  for (BenchRays& rays : scene.results[1].rays) rays.hits = 17'445;
+  const std::vector<std::string> remarks = remarks_on(scene);
+  ASSERT_EQ(remarks.size(), 1u) << "one for each peer";
+  EXPECT_TRUE(remarks[0].starts_with("peer hits 17445 of the 200000 rays that kerf hits 118805 of, primary."))
+      << remarks[0];
+  scene.remarks = remarks;
+  EXPECT_NE(format_bench(std::span(&scene, 1), Emphasis::mark).find("Note: peer hits"), std::string::npos);
+  EXPECT_EQ(to_json(std::span(&scene, 1), {.version = "0.1.0", .target = {}})["scenes"][0]["remarks"].size(),
+            1u);
+}
+
+TEST(Bench, RatiosAreOfRaysThatThereAre) {
+  BenchScene scene = made_up("nothing is hit", 2.0);
+  for (BenchResult& result : scene.results) {
+    for (std::size_t i = 1; i < 3; ++i) result.rays[i].count = 0, result.rays[i].mrays_per_s = 0.0;
+  }
+  EXPECT_EQ(ratios_to_peers(std::span(&scene, 1))[0].mean, 2.0);
+}
+
 TEST(Bench, RaysMadeAndInAnArrayAreComparedEachWithItsOwnKindAndWithEachOther) {
   BenchScene scene = made_up("one", 3.0);
   BenchScene array = made_up("one", 6.0);

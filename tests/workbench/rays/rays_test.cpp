@@ -132,6 +132,19 @@ TEST(Rays, AreTheSameForEveryHierarchyOfTheScene) {
     }
   }
 }
+TEST(Rays, AreFewerWhereEachTestsEveryTriangle) {
+  const Scene plain = scene_of(make_sphere(3));
+  const RaySetOptions asked{.width = 64, .height = 48};
+  EXPECT_EQ(affordable(plain, build(plain.mesh()), asked), asked) << "a sphere is no burden";
+  Scene heaped = scene_of(make_sphere(0));
+  const auto once = heaped.triangles;
+  for (int i = 0; i < 100; ++i) heaped.triangles.insert(heaped.triangles.end(), once.begin(), once.end());
+  const Bvh bvh = build(heaped.mesh());
+  const RaySetOptions given = affordable(heaped, bvh, asked, 100'000);
+  EXPECT_LT(given.width * given.height, asked.width * asked.height);
+  EXPECT_GE(given.width, 8u);
+  EXPECT_EQ(affordable(heaped, bvh, asked, 100'000), given) << "it counts and does not time";
+}
 
 }  // namespace
 }  // namespace workbench

@@ -46,6 +46,32 @@ TEST(Viewpoints, CanBeLookedThroughWhateverTheMesh) {
     }
   }
 }
+TEST(Viewpoints, NamedOnesShowAllOfTheMeshFromTheirSide) {
+  const Solid solid = make_box({-8, 0, -3}, {8, 4, 3}, 2);
+  for (const Vec3f& up : {Vec3f{0, 1, 0}, Vec3f{0, 0, 1}, Vec3f{1, 0, 0}, Vec3f{0, -1, 0}}) {
+    for (const std::string_view name : view_names) {
+      const auto view = named_view(solid.mesh(), name, up, 1.5f);
+      ASSERT_TRUE(view.has_value()) << name;
+      const Vec3f forward = normalize(view->target - view->position);
+      const Vec3f right = normalize(cross(forward, view->up)), above = cross(right, forward);
+      const float limit = std::tan(0.5f * view->vertical_field_of_view * 3.14159265f / 180.0f);
+      for (const Vec3f& vertex : solid.vertices) {
+        const Vec3f way = vertex - view->position;
+        EXPECT_LE(std::abs(dot(way, above)), limit * dot(way, forward)) << name;
+        EXPECT_LE(std::abs(dot(way, right)), 1.5f * limit * dot(way, forward)) << name;
+      }
+    }
+  }
+  const auto along = [&](std::string_view name, const Vec3f& up) {
+    const auto view = named_view(solid.mesh(), name, up, 1.0f);
+    return normalize(view->target - view->position);
+  };
+  EXPECT_EQ(along("front", {0, 1, 0}), (Vec3f{0, 0, -1}));
+  EXPECT_EQ(along("front", {0, 0, 1}), (Vec3f{0, 1, 0}));
+  EXPECT_EQ(along("top", {0, 0, 1}), (Vec3f{0, 0, -1}));
+  EXPECT_EQ(along("right", {0, 1, 0}), (Vec3f{-1, 0, 0}));
+  EXPECT_EQ(named_view(solid.mesh(), "fornt", {0, 1, 0}, 1.0f), std::nullopt);
+}
 
 }  // namespace
 }  // namespace workbench
