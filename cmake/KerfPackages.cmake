@@ -61,13 +61,6 @@ macro(kerf_find_tool_packages)
   if(NOT KERF_DRACO_INCLUDE OR NOT KERF_DRACO)
     kerf_missing("Draco, for its tool," libdraco-dev build ${KERF_WITHOUT_TOOL})
   endif()
-  find_file(KERF_CHART_JS NAMES chart.min.js Chart.min.js
-            PATHS /usr/share/javascript/chart.js /usr/share/nodejs/chart.js/dist
-            DOC "Chart.js 3, minified, which reports are drawn with")
-  if(NOT KERF_CHART_JS)
-    kerf_missing("Chart.js 3, for its tool (KERF_CHART_JS names a chart.min.js)," libjs-chart.js build
-                 ${KERF_WITHOUT_TOOL})
-  endif()
 endmacro()
 
 # The tests: sets `missing` to the packages that are not there, of which the first is told.

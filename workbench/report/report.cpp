@@ -1,28 +1,24 @@
 #include "workbench/report/report.hpp"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "report_assets.hpp"
 #include "workbench/compare/json.hpp"
 #include "workbench/compare/measures.hpp"
 #include "workbench/render/heat.hpp"
+#include "workbench/report/charts.hpp"
 #include "workbench/report/html.hpp"
 #include "workbench/report/tables.hpp"
 
 namespace workbench {
 namespace {
 
-// Nothing may be loaded. The browser enforces it.
-constexpr std::string_view content_policy =
-    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
-
-// Counts errors from the start, for the test that opens the page.
-constexpr std::string_view error_counter = R"(
-  document.documentElement.dataset.errors = 0;
-  addEventListener('error', () => { document.documentElement.dataset.errors++; }, true);
-  addEventListener('securitypolicyviolation', () => { document.documentElement.dataset.errors++; });
-  addEventListener('unhandledrejection', () => { document.documentElement.dataset.errors++; });
-)";
+// Nothing may be loaded and no script may run. The browser enforces it.
+constexpr std::string_view content_policy = "default-src 'none'; img-src data:; style-src 'unsafe-inline'";
 
 constexpr std::string_view comparison_lead =
     "Bounding volume hierarchies with spatial splits (<b>sbvh</b>: Stich, Friedrich &amp; Dietrich 2009) "
@@ -49,8 +45,8 @@ std::string head(const Report& report) {
       "<meta name=\"color-scheme\" content=\"light dark\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n"
       "<link rel=\"icon\" href=\"data:,\">\n"
-      "<title>kerf: {}</title>\n<script>{}</script>\n<style>\n{}</style>\n</head>\n",
-      content_policy, page_title(report), error_counter, embedded::report_style());
+      "<title>kerf: {}</title>\n<style>\n{}</style>\n</head>\n",
+      content_policy, page_title(report), embedded::report_style());
 }
 
 std::string masthead(const Report& report) {
@@ -59,38 +55,119 @@ std::string masthead(const Report& report) {
       "<header>\n<p class=\"wordmark\">kerf</p>\n<h1>{}</h1>\n<p class=\"lead\">{}</p>\n"
       "<pre class=\"command\"><code>{}</code></pre>\n"
       "<dl class=\"facts\">\n"
-      "<div><dt>Processor</dt><dd>{}</dd></div>\n"
+      "<div><dt>Processor</dt><dd>{}, traced with {}</dd></div>\n"
       "<div><dt>Threads</dt><dd>builds {} of {}, rays 1</dd></div>\n"
       "<div><dt>System</dt><dd>{}</dd></div>\n"
       "<div><dt>Versions</dt><dd>kerf {}, {}</dd></div>\n"
       "<div><dt>Made</dt><dd>{}</dd></div>\n"
       "</dl>\n</header>\n",
       page_title(report), report.kind == Report::Kind::sweep ? sweep_lead : comparison_lead,
-      escape_html(report.command), escape_html(machine.processor), report.threads, machine.threads,
-      escape_html(machine.system), escape_html(report.version), escape_html(machine.compiler),
-      escape_html(report.date));
+      escape_html(report.command), escape_html(machine.processor), escape_html(report.target), report.threads,
+      machine.threads, escape_html(machine.system), escape_html(report.version),
+      escape_html(machine.compiler), escape_html(report.date));
 }
 
-std::string chart(std::string_view kind, std::size_t scene, std::string_view caption) {
-  return fmt::format(
-      "<figure class=\"chart\"><figcaption>{}</figcaption>\n"
-      "<div><canvas data-chart=\"{}\" data-scene=\"{}\" role=\"img\"></canvas></div></figure>\n",
-      caption, kind, scene);
-}
-
-std::string charts(const Report& report, std::size_t scene) {
-  if (report.kind == Report::Kind::sweep) {
-    return "<div class=\"charts\">\n" +
-           chart("sweep-cost", scene, "Cost and references, relative to the first α") +
-           chart("sweep-speed", scene, "Rays per second, relative to the first α") + "</div>\n";
+// The class of a builder's colour.
+std::string style_of(const BuilderFigures& builder, std::size_t i) {
+  for (const std::string_view known : {"bvh", "sbvh", "esc", "evh"}) {
+    if (builder.name == known) return builder.name;
   }
-  return "<div class=\"charts\">\n" +
-         chart("tree", scene,
-               fmt::format("Trees, relative to {} <small>lower is better</small>",
-                           escape_html(report.scenes[scene].figures.builders[0].name))) +
-         chart("work", scene,
-               "Steps (solid) and triangle tests (light) per ray <small>lower is better</small>") +
-         chart("speed", scene, "Million rays per second <small>higher is better</small>") + "</div>\n";
+  return fmt::format("c{}", i % 5);
+}
+
+std::vector<std::string> ray_titles() {
+  std::vector<std::string> titles;
+  for (const RayType type : ray_types) titles.emplace_back(name(type));
+  return titles;
+}
+
+double relative(double value, double base) {
+  return base > 0.0 ? value / base : 0.0;
+}
+
+std::string sweep_charts(const SceneFigures& scene, std::size_t number) {
+  std::vector<std::string> alphas;
+  for (const BuilderFigures& builder : scene.builders) alphas.push_back(format_alpha(builder.alpha));
+  const auto series = [&](std::string title, std::size_t i, const auto& value) {
+    ChartSeries line{.name = std::move(title), .style = fmt::format("c{}", i), .values = {}};
+    for (const BuilderFigures& builder : scene.builders)
+      line.values.push_back(relative(value(builder), value(scene.builders.front())));
+    return line;
+  };
+  Chart cost{.id = fmt::format("cost-{}", number),
+             .title = "Cost and references",
+             .remark = "relative to the first α",
+             .x_title = "α, the overlap from which a spatial split is tried",
+             .y_title = "relative",
+             .places = alphas,
+             .series = {}};
+  cost.series.push_back(series("SAH cost", 0, [](const BuilderFigures& b) { return b.sah; }));
+  cost.series.push_back(
+      series("references", 1, [](const BuilderFigures& b) { return static_cast<double>(b.references); }));
+  Chart speed = cost;
+  speed.id = fmt::format("speed-{}", number);
+  speed.title = "Rays per second";
+  speed.series.clear();
+  for (std::size_t type = 0; type < std::size(ray_types); ++type) {
+    speed.series.push_back(series(ray_titles()[type], type,
+                                  [type](const BuilderFigures& b) { return b.rays[type].mrays_per_s; }));
+  }
+  return html_lines(cost) + html_lines(speed);
+}
+
+std::string comparison_charts(const SceneFigures& scene, std::size_t number) {
+  Chart trees{.id = fmt::format("trees-{}", number),
+              .title = fmt::format("Trees, relative to {}", scene.builders.front().name),
+              .remark = "lower is better",
+              .x_title = "measure of the tree",
+              .y_title = "relative",
+              .places = {},
+              .series = {}};
+  Chart work{.id = fmt::format("work-{}", number),
+             .title = "Work per ray",
+             .remark = "steps, and triangle tests in the lighter colour on top; lower is better",
+             .x_title = "rays",
+             .y_title = "steps + tests per ray",
+             .places = ray_titles(),
+             .series = {}};
+  Chart speed{.id = fmt::format("speed-{}", number),
+              .title = "Speed",
+              .remark = "the line leads to the middle one of the rounds; higher is better",
+              .x_title = "rays",
+              .y_title = "million rays per second",
+              .places = ray_titles(),
+              .series = {}};
+  constexpr std::string_view shown[] = {"sah", "epo", "lcv", "references", "nodes"};
+  for (const auto& measure : tree_measures()) {
+    if (std::find(std::begin(shown), std::end(shown), measure.key) == std::end(shown)) continue;
+    trees.places.emplace_back(measure.title);
+  }
+  for (std::size_t i = 0; i < scene.builders.size(); ++i) {
+    const BuilderFigures& builder = scene.builders[i];
+    ChartSeries tree{.name = builder.name, .style = style_of(builder, i), .values = {}}, steps = tree,
+                                                                                         mrays = tree;
+    for (const auto& measure : tree_measures()) {
+      if (std::find(std::begin(shown), std::end(shown), measure.key) == std::end(shown)) continue;
+      tree.values.push_back(relative(measure.value(builder), measure.value(scene.builders.front())));
+    }
+    for (const RayFigures& rays : builder.rays) {
+      steps.values.push_back(rays.steps);
+      steps.above.push_back(rays.triangle_tests);
+      mrays.values.push_back(rays.mrays_per_s);
+      mrays.whiskers.push_back(rays.median_mrays_per_s);
+    }
+    trees.series.push_back(std::move(tree));
+    work.series.push_back(std::move(steps));
+    speed.series.push_back(std::move(mrays));
+  }
+  return html_bars(trees) + html_bars(work) + html_bars(speed);
+}
+
+std::string charts(const Report& report, std::size_t i) {
+  const SceneFigures& scene = report.scenes[i].figures;
+  const bool sweep = report.kind == Report::Kind::sweep;
+  return fmt::format("<div class=\"charts\">\n{}</div>\n",
+                     sweep ? sweep_charts(scene, i) : comparison_charts(scene, i));
 }
 
 // The bar of colours under the heat views, with its numbers.
@@ -112,12 +189,13 @@ std::string legend(float scale) {
       gradient, numbers);
 }
 
-std::string picture(const std::vector<std::uint8_t>& png, std::string_view kind, std::string_view builder,
-                    std::string_view scene) {
-  return fmt::format("<img class=\"{0}\" alt=\"{1}, {2}: {0}\" src=\"data:image/png;base64,{3}\">\n", kind,
-                     escape_html(scene), escape_html(builder), base64(png));
+std::string picture(const std::vector<std::uint8_t>& png, std::string_view kind, std::string_view what) {
+  return fmt::format("<img class=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\">\n", kind,
+                     escape_html(what), base64(png));
 }
 
+// The pictures of the scene itself are alike through every hierarchy, and one stands for all. Others show an
+// error of a hierarchy, beside its heat view.
 std::string gallery(const Report& report, const ReportScene& scene) {
   std::string figures;
   for (std::size_t i = 0; i < scene.pictures.size(); ++i) {
@@ -125,14 +203,36 @@ std::string gallery(const Report& report, const ReportScene& scene) {
     const RayFigures& primary = builder.rays[0];
     const std::string label =
         report.kind == Report::Kind::sweep ? "α = " + format_alpha(builder.alpha) : builder.name;
+    const bool is_new = i == 0 || scene.pictures[i].shaded != scene.pictures[0].shaded;
+    if (is_new) {
+      figures += fmt::format(
+          "<figure>\n{}<figcaption><b>{}</b> <span>{}</span></figcaption></figure>\n",
+          picture(scene.pictures[i].shaded, "shaded",
+                  fmt::format("{} from its first viewpoint", scene.figures.name)),
+          i == 0 ? "the scene" : escape_html(label),
+          i == 0 ? "from its first viewpoint, the same pixels through every tree" : "SHOWS OTHER PIXELS");
+    }
     figures += fmt::format(
-        "<figure>\n{}{}<figcaption><b>{}</b> <span>{:.1f} steps + {:.1f} tests per primary ray, mean of all "
+        "<figure>\n{}<figcaption><b>{}</b> <span>{:.1f} steps + {:.1f} tests per primary ray, mean of all "
         "viewpoints</span></figcaption></figure>\n",
-        picture(scene.pictures[i].heat, "heat", label, scene.figures.name),
-        picture(scene.pictures[i].shaded, "shaded", label, scene.figures.name), escape_html(label),
-        primary.steps, primary.triangle_tests);
+        picture(
+            scene.pictures[i].heat, "heat",
+            fmt::format("Heat view of {}, {}: brighter where a ray costs more", scene.figures.name, label)),
+        escape_html(label), primary.steps, primary.triangle_tests);
   }
   return "<div class=\"gallery\">\n" + figures + "</div>\n" + legend(scene.heat_scale);
+}
+
+// What the settings in a scene's name do.
+std::string setting(const std::string& scene) {
+  const std::size_t at = scene.find("rotate=");
+  if (at == std::string::npos || scene.find(':') == std::string::npos) return "";
+  const std::string degrees = scene.substr(at + 7, scene.find(',', at) - at - 7);
+  return fmt::format(
+      " Turned by {} degrees about z, then y, then x, after which no wall is parallel to an axis and every "
+      "box is "
+      "loose: what spatial splits are for.",
+      escape_html(degrees));
 }
 
 std::string section(const Report& report, std::size_t i) {
@@ -143,8 +243,10 @@ std::string section(const Report& report, std::size_t i) {
     facts += fmt::format(", {} of them degenerate and left out", format_count(figures.degenerate_triangles));
   }
   std::string text =
-      fmt::format("<section id=\"scene-{}\">\n<h2>{}</h2>\n<p class=\"facts-line\">{}. {}</p>\n", i,
-                  escape_html(figures.name), facts, html_agreement(figures));
+      fmt::format("<section id=\"scene-{}\">\n<h2>{}</h2>\n<p class=\"facts-line\">{}. {}{}</p>\n", i,
+                  escape_html(figures.name), facts, html_agreement(figures), setting(figures.name));
+  if (!figures.remark.empty())
+    text += fmt::format("<p class=\"facts-line\">Note: {}.</p>\n", escape_html(figures.remark));
   if (report.kind == Report::Kind::sweep) {
     text += charts(report, i) + html_sweep_table(figures) + gallery(report, scene);
   } else {
@@ -163,11 +265,12 @@ std::string render_html(const Report& report) {
   if (report.kind == Report::Kind::comparison) text += html_summary(figures);
   for (std::size_t i = 0; i < report.scenes.size(); ++i) text += section(report, i);
   text += html_glossary();
-  text += "</main>\n<script type=\"application/json\" id=\"figures\">" +
-          escape_script(to_json(figures, report.version).dump()) + "</script>\n";
-  text += fmt::format("<script>{}</script>\n<script>{}</script>\n</body>\n</html>\n", embedded::chart_js(),
-                      embedded::report_charts());
-  return text;
+  text +=
+      "</main>\n<script type=\"application/json\" id=\"figures\">" +
+      escape_script(
+          to_json(figures, report.version).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) +
+      "</script>\n";
+  return text + "</body>\n</html>\n";
 }
 
 }  // namespace workbench

@@ -11,8 +11,11 @@ namespace {
 // A table that is composed column by column, so that the best of each can be marked, and written row by row.
 class HtmlTable {
  public:
-  HtmlTable(std::string_view caption, std::string_view row_head, std::vector<std::string> row_names)
-      : caption_(caption), heads_(fmt::format("<th scope=\"col\">{}</th>", escape_html(row_head))) {
+  HtmlTable(std::string_view scene, std::string_view caption, std::string_view row_head,
+            std::vector<std::string> row_names)
+      : scene_(escape_html(scene)),
+        caption_(caption),
+        heads_(fmt::format("<th scope=\"col\">{}</th>", escape_html(row_head))) {
     for (const std::string& name : row_names) {
       rows_.push_back(fmt::format("<th scope=\"row\">{}</th>", escape_html(name)));
     }
@@ -32,15 +35,16 @@ class HtmlTable {
   std::string html() const {
     std::string body;
     for (const std::string& row : rows_) body += "<tr>" + row + "</tr>\n";
+    // What can be scrolled must be reached by the keyboard, and have a name.
     return fmt::format(
-        "<div "
-        "class=\"table\"><table>\n<caption>{}</caption>\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n"
-        "</table></div>\n",
-        caption_, heads_, body);
+        "<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{}: "
+        "{}\"><table>\n<caption>{}</caption>\n"
+        "<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody>\n</table></div>\n",
+        scene_, caption_.substr(0, caption_.find(" <")), caption_, heads_, body);
   }
 
  private:
-  std::string caption_, heads_;
+  std::string scene_, caption_, heads_;
   std::vector<std::string> rows_;
 };
 
@@ -76,12 +80,16 @@ std::string html_summary(std::span<const SceneFigures> scenes) {
     }
   }
   if (body.empty()) return "";
-  return fmt::format("<h2 class=\"summary\">sbvh beside {}</h2>\n<div class=\"cards\">\n{}</div>\n",
-                     escape_html(scenes.front().builders.front().name), body);
+  return fmt::format(
+      "<h2 class=\"summary\">sbvh beside {0}</h2>\n<p class=\"facts-line\">What sbvh has, divided by what "
+      "{0} has: "
+      "0.80× the cost is a fifth less, 1.25× the rays a quarter more.</p>\n<div "
+      "class=\"cards\">\n{1}</div>\n",
+      escape_html(scenes.front().builders.front().name), body);
 }
 
 std::string html_tables(const SceneFigures& scene) {
-  HtmlTable trees("Trees", "builder", builder_names(scene));
+  HtmlTable trees(scene.name, "Trees", "builder", builder_names(scene));
   for (const auto& measure : tree_measures()) {
     trees.add(measure.title, measure.meaning, values_of(scene, measure.value), measure.higher_is_better,
               measure.format);
@@ -89,7 +97,8 @@ std::string html_tables(const SceneFigures& scene) {
   std::string text = trees.html() + "<div class=\"ray-tables\">\n";
   for (std::size_t type = 0; type < std::size(ray_types); ++type) {
     const RayFigures& first = scene.builders.front().rays[type];
-    HtmlTable rays(fmt::format("{} <small>{} rays, {} hits</small>", title(ray_types[type]),
+    HtmlTable rays(scene.name,
+                   fmt::format("{} <small>{} rays, {} hits</small>", title(ray_types[type]),
                                format_count(first.count), format_count(first.hits)),
                    "builder", builder_names(scene));
     for (const auto& measure : ray_measures()) {
@@ -106,7 +115,7 @@ std::string html_tables(const SceneFigures& scene) {
 std::string html_sweep_table(const SceneFigures& scene) {
   std::vector<std::string> alphas;
   for (const BuilderFigures& builder : scene.builders) alphas.push_back(format_alpha(builder.alpha));
-  HtmlTable table("Trees and speed by α", "α", alphas);
+  HtmlTable table(scene.name, "Trees and speed by α", "α", alphas);
   for (const auto& measure : tree_measures()) {
     table.add(measure.title, measure.meaning, values_of(scene, measure.value), measure.higher_is_better,
               measure.format);
