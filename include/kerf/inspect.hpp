@@ -76,7 +76,7 @@ KERF_API double end_point_overlap(const Tree& tree);
 
 /// A number, and the standard error with which it stands for the exact one.
 struct Estimate {
-  double value = 0.0;
+  double value = 0.0;           ///< what was found
   double standard_error = 0.0;  ///< 0: the value is exact
 };
 
