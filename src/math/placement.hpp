@@ -10,6 +10,7 @@
 #include <kerf/vec.hpp>
 
 #include "math/box3f.hpp"
+#include "math/ray_box.hpp"
 #include "math/ray_crossing.hpp"
 
 namespace kerf {
@@ -178,7 +179,7 @@ class Placement {
 
 /// By how much less than this kernels report a hit beside the box of an object, see `RayBoxes`, in units of
 /// 2^-24 of the distance D from the ray's origin to the far side of the scene.
-inline constexpr double object_margin = 164.0;
+inline constexpr double object_margin = RayBoxes::margin_of_distance + RayBoxes::margin_of_origin;
 
 /// By how much boxes in a scene have to be grown so that no place with this condition is missed, where what
 /// stands there may be hit beside its box by `margin_inside`. That margin is one of a distance of up to D
