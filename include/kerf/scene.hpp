@@ -125,8 +125,15 @@ class KERF_API Scene {
     }
   }
 
+  /// All hits of each of many rays, those of a ray in their order.
+  Lists<SceneHit> all_hits(const RayView& rays, const BatchOptions& options = {}) const;
+
   /// The number of hits that `all_hits` visits. Throws `Error::out_of_memory`.
   std::size_t count_hits(const Ray& ray) const;
+
+  /// The same for many rays.
+  void count_hits(const RayView& rays, std::span<std::uint32_t> counts,
+                  const BatchOptions& options = {}) const;
 
   /// Whether `point` lies inside the closed surface that all triangles make, or on it: by the parity of the
   /// crossings of one ray through all instances. It is right to the last crossing where each object is closed
@@ -152,9 +159,16 @@ class KERF_API Scene {
   /// scene of nothing.
   float signed_distance(const Vec3f& point) const;
 
+  /// The same for many points.
+  void signed_distance(const PointView& points, std::span<float> distances,
+                       const BatchOptions& options = {}) const;
+
   /// The closest point of every triangle that has a point within `radius` (included) of `point`; each
   /// triangle of each instance once, nearest first.
   std::vector<ScenePoint> within(const Vec3f& point, float radius) const;
+
+  /// The same for each of many points.
+  Lists<ScenePoint> within(const PointView& points, float radius, const BatchOptions& options = {}) const;
 
   /// The instances that were given to `build`. Valid as long as this handle or a copy of it.
   std::span<const Instance> instances() const;

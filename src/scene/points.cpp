@@ -287,9 +287,24 @@ float Scene::signed_distance(const Vec3f& point) const {
   return contains(point) ? -distance : distance;
 }
 
+void Scene::signed_distance(const PointView& points, std::span<float> distances,
+                            const BatchOptions& options) const {
+  require_as_many(points.size(), distances.size(), "as many results as points are needed");
+  for_each_point(points, options,
+                 [&](std::size_t i, const Vec3f& point) { distances[i] = signed_distance(point); });
+}
+
 std::vector<ScenePoint> Scene::within(const Vec3f& point, float radius) const {
   const PlainFloatingPoint plain;
   return report_out_of_memory([&] { return all_within(*structure_, point, radius); });
+}
+
+Lists<ScenePoint> Scene::within(const PointView& points, float radius, const BatchOptions& options) const {
+  return list_in_batches<ScenePoint>(
+      points.size(), points_per_batch, options, [&](std::size_t i, std::vector<ScenePoint>& found) {
+        const std::vector<ScenePoint> here = all_within(*structure_, points[i], radius);
+        found.insert(found.end(), here.begin(), here.end());
+      });
 }
 
 }  // namespace kerf

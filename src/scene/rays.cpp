@@ -110,6 +110,18 @@ bool holds(const SceneStructure& scene, const Vec3f& point) {
   return on || crossings % 2 == 1;
 }
 
+// All hits of one ray, in their order, behind those that `hits` has.
+void append_hits(const SceneStructure& scene, const Ray& ray, std::vector<SceneHit>& hits) {
+  const auto before = static_cast<std::ptrdiff_t>(hits.size());
+  visit_objects(scene, ray, nullptr, [&](const MetObject& met) {
+    met.bvh().all_hits(met.ray.ray, [&](const Hit& hit) {
+      hits.push_back({met.ray.in_scene(hit.t), hit.u, hit.v, hit.primitive, hit.mesh, met.number});
+    });
+    return ray.t_max;
+  });
+  std::sort(hits.begin() + before, hits.end(), is_earlier);
+}
+
 }  // namespace
 
 std::optional<SceneHit> Scene::intersect(const Ray& ray) const {
@@ -151,20 +163,29 @@ std::vector<SceneHit> Scene::list_hits(const Ray& ray) const {
   const PlainFloatingPoint plain;
   return report_out_of_memory([&] {
     std::vector<SceneHit> hits;
-    visit_objects(*structure_, ray, nullptr, [&](const MetObject& met) {
-      met.bvh().all_hits(met.ray.ray, [&](const Hit& hit) {
-        hits.push_back({met.ray.in_scene(hit.t), hit.u, hit.v, hit.primitive, hit.mesh, met.number});
-      });
-      return ray.t_max;
-    });
-    std::sort(hits.begin(), hits.end(), is_earlier);
+    append_hits(*structure_, ray, hits);
     return hits;
   });
+}
+
+Lists<SceneHit> Scene::all_hits(const RayView& rays, const BatchOptions& options) const {
+  return list_in_batches<SceneHit>(
+      rays.count, rays_per_batch, options,
+      [&](std::size_t i, std::vector<SceneHit>& hits) { append_hits(*structure_, ray_at(rays, i), hits); });
 }
 
 std::size_t Scene::count_hits(const Ray& ray) const {
   const PlainFloatingPoint plain;
   return report_out_of_memory([&] { return count_all(*structure_, ray); });
+}
+
+void Scene::count_hits(const RayView& rays, std::span<std::uint32_t> counts,
+                       const BatchOptions& options) const {
+  require_as_many(rays.count, counts.size(), "as many results as rays are needed");
+  for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {
+    for (std::size_t i = begin; i < begin + count; ++i)
+      counts[i] = static_cast<std::uint32_t>(count_all(*structure_, ray_at(rays, i)));
+  });
 }
 
 bool Scene::contains(const Vec3f& point) const {

@@ -432,13 +432,31 @@ TEST(Scene, ManyRaysAndPointsAreAnsweredAsOneByOne) {
   scene.intersect(rays, hits);
   scene.occluded(rays, occluded);
   scene.contains(points, inside);
+  std::vector<std::uint32_t> counts(rays.size());
+  std::vector<float> distances(points.size());
+  scene.count_hits(rays, counts);
+  scene.signed_distance(points, distances);
+  const auto all = scene.all_hits(rays), all_on_one_thread = scene.all_hits(rays, {.threads = 1});
+  const auto within = scene.within(points, 2.0f);
+  EXPECT_EQ(all.items, all_on_one_thread.items);
+  EXPECT_EQ(all.offsets, all_on_one_thread.offsets);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     ASSERT_EQ(hits[i], on_one_thread.intersect(rays[i]).value_or(SceneHit{}));
     ASSERT_EQ(occluded[i] != 0, bool(hits[i]));
     ASSERT_EQ(inside[i] != 0, scene.contains(points[i]));
+    ASSERT_EQ(counts[i], scene.count_hits(rays[i]));
+    ASSERT_EQ(distances[i], scene.signed_distance(points[i]));
+    std::vector<SceneHit> one;
+    scene.all_hits(rays[i], [&](const SceneHit& hit) { one.push_back(hit); });
+    ASSERT_TRUE(std::ranges::equal(all[i], one));
+    ASSERT_TRUE(std::ranges::equal(within[i], scene.within(points[i], 2.0f)));
   }
   hits.pop_back();
+  counts.pop_back();
+  distances.pop_back();
   EXPECT_THROW(scene.intersect(rays, hits), Error);
+  EXPECT_THROW(scene.count_hits(rays, counts), Error);
+  EXPECT_THROW(scene.signed_distance(points, distances), Error);
 }
 
 TEST(Scene, TheOrderOfEqualHitsIsThatOfInstances) {
