@@ -1,9 +1,10 @@
-// The C interface: every call of <kerf/bvh.hpp> in plain functions.
+// The C interface: every call of <kerf/bvh.hpp>, <kerf/refit.hpp> and <kerf/scene.hpp> in plain functions.
 #include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <optional>
 #include <ranges>
@@ -15,12 +16,29 @@
 
 #include <kerf/kerf.h>
 #include <kerf/kerf.hpp>
+#include <kerf/scene.hpp>
 
 struct kerf_bvh {
   explicit kerf_bvh(kerf::Bvh made) : bvh(std::move(made)) {}
 
   mutable std::atomic<std::size_t> owners = 1;
   kerf::Bvh bvh;
+};
+
+struct kerf_scene {
+  kerf_scene() = default;
+  kerf_scene(const kerf_scene&) = delete;
+  kerf_scene& operator=(const kerf_scene&) = delete;
+  ~kerf_scene() {
+    for (const kerf_instance& instance : instances) {
+      kerf_bvh_release(instance.object);
+      kerf_scene_release(instance.scene);
+    }
+  }
+
+  mutable std::atomic<std::size_t> owners = 1;
+  std::vector<kerf_instance> instances;  // what was given, for `kerf_scene_get_instance`
+  kerf::Scene scene;
 };
 
 namespace {
@@ -39,6 +57,12 @@ static_assert(same_layout<kerf_surface_point, kerf::SurfacePoint> &&
               offsetof(kerf_surface_point, mesh) == offsetof(kerf::SurfacePoint, mesh));
 static_assert(same_layout<kerf_primitive_id, kerf::PrimitiveId> &&
               offsetof(kerf_primitive_id, mesh) == offsetof(kerf::PrimitiveId, mesh));
+static_assert(same_layout<kerf_scene_hit, kerf::SceneHit> &&
+              offsetof(kerf_scene_hit, primitive) == offsetof(kerf::SceneHit, primitive) &&
+              offsetof(kerf_scene_hit, instance) == offsetof(kerf::SceneHit, instance));
+static_assert(same_layout<kerf_scene_point, kerf::ScenePoint> &&
+              offsetof(kerf_scene_point, distance) == offsetof(kerf::ScenePoint, distance) &&
+              offsetof(kerf_scene_point, instance) == offsetof(kerf::ScenePoint, instance));
 static_assert(same_layout<kerf_touching_pair, kerf::TouchingPair>);
 static_assert(same_layout<kerf_triangle, kerf::Triangle> && same_layout<kerf_box, kerf::Box3f> &&
               same_layout<kerf_transform, kerf::Transform>);
@@ -182,25 +206,47 @@ kerf::DoubleMesh to_mesh(const kerf_double_mesh& mesh) {
   return result;
 }
 
-// Builds over an array of structs of the caller's version.
+// Calls `take(element)` for each of an array of structs of the caller's version.
+template <class C, class Take>
+void for_each_versioned(const C* array, std::size_t count, const C& defaults, const char* name,
+                        const Take& take) {
+  if (count != 0) require(array);
+  const auto* at = reinterpret_cast<const unsigned char*>(array);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::size_t size;
+    std::memcpy(&size, at, sizeof size);
+    take(read_versioned<C>(at, defaults, name));
+    at += size;
+  }
+}
+
+template <class Mesh, class CMesh>
+std::vector<Mesh> to_meshes(const CMesh* meshes, std::size_t count, const CMesh& defaults, const char* name) {
+  std::vector<Mesh> views;
+  views.reserve(count);
+  for_each_versioned(meshes, count, defaults, name,
+                     [&](const CMesh& mesh) { views.push_back(to_mesh(mesh)); });
+  return views;
+}
+
 template <class Mesh, class CMesh>
 kerf_status build(const CMesh* meshes, std::size_t count, const CMesh& defaults, const char* name,
                   const kerf_build_options* options, kerf_bvh** bvh) {
   if (bvh == nullptr) return fail(KERF_INVALID_ARGUMENT, "a pointer is null");
   *bvh = nullptr;
   return guarded([&] {
-    if (count != 0) require(meshes);
-    std::vector<Mesh> views;
-    views.reserve(count);
-    const auto* at = reinterpret_cast<const unsigned char*>(meshes);
-    for (std::size_t i = 0; i < count; ++i) {
-      std::size_t size;
-      std::memcpy(&size, at, sizeof size);
-      views.push_back(to_mesh(read_versioned<CMesh>(at, defaults, name)));
-      at += size;
-    }
+    const std::vector<Mesh> views = to_meshes<Mesh>(meshes, count, defaults, name);
     *bvh = new kerf_bvh(kerf::build(std::span<const Mesh>(views), to_options(options)));
   });
+}
+
+// A struct that a call fills in, as far as the caller's version of it reaches.
+template <class T>
+void write_versioned(const T& filled, T* to, const T& defaults, const char* name) {
+  const std::size_t size = read_versioned<T>(to, defaults, name).struct_size;
+  std::memcpy(reinterpret_cast<unsigned char*>(to) + sizeof size,
+              reinterpret_cast<const unsigned char*>(&filled) + sizeof size,
+              std::min(size, sizeof filled) - sizeof size);
 }
 
 template <class Read>
@@ -301,6 +347,32 @@ kerf_status kerf_build_double(const kerf_double_mesh* meshes, size_t mesh_count,
                                                    "kerf_double_mesh", options, bvh);
 }
 
+kerf_status kerf_refit(kerf_bvh** bvh, const kerf_mesh* meshes, size_t mesh_count,
+                       const kerf_build_options* options, kerf_refit_report* report) {
+  return guarded([&] {
+    require(bvh);
+    require(*bvh);
+    if (report != nullptr)  // refused before anything has moved
+      read_versioned<kerf_refit_report>(report, KERF_REFIT_REPORT_INIT, "kerf_refit_report");
+    const auto views =
+        to_meshes<kerf::TriangleMesh, kerf_mesh>(meshes, mesh_count, KERF_MESH_INIT, "kerf_mesh");
+    // Only the last owner may change what the handle stands for; nobody else is there to become one
+    // meanwhile.
+    const bool alone = (*bvh)->owners.load(std::memory_order_acquire) == 1;
+    std::unique_ptr<kerf_bvh> other;
+    if (!alone) other = std::make_unique<kerf_bvh>((*bvh)->bvh);
+    const kerf::RefitReport made = kerf::refit(
+        alone ? (*bvh)->bvh : other->bvh, std::span<const kerf::TriangleMesh>(views), to_options(options));
+    if (!alone) {
+      kerf_bvh_release(*bvh);
+      *bvh = other.release();
+    }
+    if (report == nullptr) return;
+    const kerf_refit_report filled{.struct_size = 0, .cost_ratio = made.cost_ratio, .rebuilt = made.rebuilt};
+    write_versioned<kerf_refit_report>(filled, report, KERF_REFIT_REPORT_INIT, "kerf_refit_report");
+  });
+}
+
 kerf_bvh* kerf_bvh_retain(const kerf_bvh* bvh) {
   if (bvh != nullptr) bvh->owners.fetch_add(1, std::memory_order_relaxed);
   return const_cast<kerf_bvh*>(bvh);
@@ -325,10 +397,8 @@ kerf_status kerf_map(const char* path, kerf_bvh** bvh) {
 kerf_status kerf_get_statistics(const kerf_bvh* bvh, kerf_statistics* statistics) {
   return guarded([&] {
     require(bvh, statistics);
-    const std::size_t size =
-        read_versioned<kerf_statistics>(statistics, KERF_STATISTICS_INIT, "kerf_statistics").struct_size;
     const kerf::BvhStatistics& all = bvh->bvh.statistics();
-    const kerf_statistics filled{.struct_size = size,
+    const kerf_statistics filled{.struct_size = 0,
                                  .triangles = all.triangles,
                                  .degenerate_triangles = all.degenerate_triangles,
                                  .non_finite_triangles = all.non_finite_triangles,
@@ -338,7 +408,7 @@ kerf_status kerf_get_statistics(const kerf_bvh* bvh, kerf_statistics* statistics
                                  .bytes = all.bytes,
                                  .build_peak_bytes = all.build_peak_bytes,
                                  .build_seconds = all.build_seconds};
-    std::memcpy(statistics, &filled, std::min(size, sizeof filled));
+    write_versioned<kerf_statistics>(filled, statistics, KERF_STATISTICS_INIT, "kerf_statistics");
   });
 }
 
@@ -668,6 +738,207 @@ kerf_status kerf_triangles_in_many(const kerf_bvh* bvh, const kerf_box* boxes, s
     require(bvh);
     hand_out(bvh->bvh.triangles_in(answers(as<const kerf::Box3f>(boxes), count), to_options(options)),
              offsets, ids, capacity);
+  });
+}
+
+kerf_status kerf_build_scene(const kerf_instance* instances, size_t instance_count,
+                             const kerf_build_options* options, kerf_scene** scene) {
+  if (scene == nullptr) return fail(KERF_INVALID_ARGUMENT, "a pointer is null");
+  *scene = nullptr;
+  return guarded([&] {
+    auto made = std::make_unique<kerf_scene>();
+    std::vector<kerf::Instance> all;
+    all.reserve(instance_count);
+    made->instances.reserve(instance_count);
+    for_each_versioned<kerf_instance>(instances, instance_count, KERF_INSTANCE_INIT, "kerf_instance",
+                                      [&](const kerf_instance& given) {
+                                        if ((given.object == nullptr) == (given.scene == nullptr))
+                                          refuse("an instance needs an object or a scene, and not both");
+                                        kerf::Instance instance;
+                                        if (given.object != nullptr) instance.object = given.object->bvh;
+                                        if (given.scene != nullptr) instance.scene = given.scene->scene;
+                                        instance.transform = to_transform(&given.transform);
+                                        instance.mask = {given.mask};
+                                        instance.number = given.number;
+                                        all.push_back(std::move(instance));
+                                        kerf_bvh_retain(given.object);
+                                        kerf_scene_retain(given.scene);
+                                        made->instances.push_back(given);
+                                      });
+    made->scene = kerf::build(std::span<const kerf::Instance>(all), to_options(options));
+    *scene = made.release();
+  });
+}
+
+kerf_scene* kerf_scene_retain(const kerf_scene* scene) {
+  if (scene != nullptr) scene->owners.fetch_add(1, std::memory_order_relaxed);
+  return const_cast<kerf_scene*>(scene);
+}
+void kerf_scene_release(const kerf_scene* scene) {
+  if (scene != nullptr && scene->owners.fetch_sub(1, std::memory_order_acq_rel) == 1) delete scene;
+}
+
+uint32_t kerf_scene_instance_count(const kerf_scene* scene) {
+  return scene->scene.instance_count();
+}
+kerf_status kerf_scene_path(const kerf_scene* scene, uint32_t instance, uint32_t* path, size_t capacity,
+                            size_t* count) {
+  return guarded([&] {
+    require(scene, count);
+    hand_out(scene->scene.path(instance), path, capacity, count);
+  });
+}
+kerf_status kerf_scene_get_instance(const kerf_scene* scene, size_t place, kerf_instance* instance) {
+  return guarded([&] {
+    require(scene, instance);
+    if (place >= scene->instances.size()) refuse("there is no instance of that number");
+    write_versioned<kerf_instance>(scene->instances[place], instance, KERF_INSTANCE_INIT, "kerf_instance");
+  });
+}
+kerf_box kerf_scene_bounds(const kerf_scene* scene) {
+  return std::bit_cast<kerf_box>(scene->scene.bounds());
+}
+size_t kerf_scene_bytes(const kerf_scene* scene) {
+  return scene->scene.bytes();
+}
+
+int kerf_scene_intersect(const kerf_scene* scene, const kerf_ray* ray, kerf_scene_hit* hit) {
+  const std::optional<kerf::SceneHit> found = scene->scene.intersect(*as<const kerf::Ray>(ray));
+  *hit = std::bit_cast<kerf_scene_hit>(found.value_or(kerf::SceneHit{}));
+  return found.has_value();
+}
+int kerf_scene_occluded(const kerf_scene* scene, const kerf_ray* ray) {
+  return scene->scene.occluded(*as<const kerf::Ray>(ray));
+}
+kerf_status kerf_scene_intersect_masked(const kerf_scene* scene, const kerf_ray* ray, uint32_t mask,
+                                        kerf_scene_hit* hit) {
+  return guarded([&] {
+    require(scene, ray, hit);
+    const kerf::SceneHit found =
+        scene->scene.intersect(to_ray(*ray), kerf::Mask{mask}).value_or(kerf::SceneHit{});
+    *hit = std::bit_cast<kerf_scene_hit>(found);
+  });
+}
+kerf_status kerf_scene_occluded_masked(const kerf_scene* scene, const kerf_ray* ray, uint32_t mask,
+                                       int* occluded) {
+  return guarded([&] {
+    require(scene, ray, occluded);
+    *occluded = scene->scene.occluded(to_ray(*ray), kerf::Mask{mask});
+  });
+}
+
+kerf_status kerf_scene_all_hits(const kerf_scene* scene, const kerf_ray* ray, kerf_scene_hit* hits,
+                                size_t capacity, size_t* count) {
+  return guarded([&] {
+    require(scene, ray, count);
+    if (capacity != 0) require(hits);
+    std::size_t size = 0;
+    scene->scene.all_hits(to_ray(*ray), [&](const kerf::SceneHit& hit) {
+      if (size < capacity) hits[size] = std::bit_cast<kerf_scene_hit>(hit);
+      ++size;
+    });
+    *count = size;
+  });
+}
+kerf_status kerf_scene_count_hits(const kerf_scene* scene, const kerf_ray* ray, size_t* count) {
+  return guarded([&] {
+    require(scene, ray, count);
+    *count = scene->scene.count_hits(to_ray(*ray));
+  });
+}
+kerf_status kerf_scene_contains(const kerf_scene* scene, const float point[3], int* inside) {
+  return guarded([&] {
+    require(scene, point, inside);
+    *inside = scene->scene.contains(to_point(point));
+  });
+}
+kerf_status kerf_scene_closest_point(const kerf_scene* scene, const float point[3], float max_distance,
+                                     kerf_scene_point* closest) {
+  return guarded([&] {
+    require(scene, point, closest);
+    const kerf::ScenePoint found =
+        scene->scene.closest_point(to_point(point), max_distance).value_or(kerf::ScenePoint{});
+    std::memcpy(closest, &found, sizeof found);
+  });
+}
+kerf_status kerf_scene_signed_distance(const kerf_scene* scene, const float point[3], float* distance) {
+  return guarded([&] {
+    require(scene, point, distance);
+    *distance = scene->scene.signed_distance(to_point(point));
+  });
+}
+kerf_status kerf_scene_within(const kerf_scene* scene, const float point[3], float radius,
+                              kerf_scene_point* points, size_t capacity, size_t* count) {
+  return guarded([&] {
+    require(scene, point, count);
+    hand_out(scene->scene.within(to_point(point), radius), points, capacity, count);
+  });
+}
+
+kerf_status kerf_scene_intersect_many(const kerf_scene* scene, const kerf_rays* rays, kerf_scene_hit* hits,
+                                      const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    const kerf::RayView view = to_view(rays);
+    scene->scene.intersect(view, answers(as<kerf::SceneHit>(hits), view.count), to_options(options));
+  });
+}
+kerf_status kerf_scene_occluded_many(const kerf_scene* scene, const kerf_rays* rays, uint8_t* occluded,
+                                     const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    const kerf::RayView view = to_view(rays);
+    scene->scene.occluded(view, answers(occluded, view.count), to_options(options));
+  });
+}
+kerf_status kerf_scene_count_hits_many(const kerf_scene* scene, const kerf_rays* rays, uint32_t* counts,
+                                       const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    const kerf::RayView view = to_view(rays);
+    scene->scene.count_hits(view, answers(counts, view.count), to_options(options));
+  });
+}
+kerf_status kerf_scene_all_hits_many(const kerf_scene* scene, const kerf_rays* rays, size_t* offsets,
+                                     kerf_scene_hit* hits, size_t capacity,
+                                     const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    hand_out(scene->scene.all_hits(to_view(rays), to_options(options)), offsets, hits, capacity);
+  });
+}
+kerf_status kerf_scene_contains_many(const kerf_scene* scene, const kerf_points* points, uint8_t* inside,
+                                     const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    const kerf::PointView view = to_view(points);
+    scene->scene.contains(view, answers(inside, view.size()), to_options(options));
+  });
+}
+kerf_status kerf_scene_closest_point_many(const kerf_scene* scene, const kerf_points* points,
+                                          float max_distance, kerf_scene_point* closest,
+                                          const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    const kerf::PointView view = to_view(points);
+    scene->scene.closest_point(view, answers(as<kerf::ScenePoint>(closest), view.size()), max_distance,
+                               to_options(options));
+  });
+}
+kerf_status kerf_scene_signed_distance_many(const kerf_scene* scene, const kerf_points* points,
+                                            float* distances, const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    const kerf::PointView view = to_view(points);
+    scene->scene.signed_distance(view, answers(distances, view.size()), to_options(options));
+  });
+}
+kerf_status kerf_scene_within_many(const kerf_scene* scene, const kerf_points* points, float radius,
+                                   size_t* offsets, kerf_scene_point* found, size_t capacity,
+                                   const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    hand_out(scene->scene.within(to_view(points), radius, to_options(options)), offsets, found, capacity);
   });
 }
 

@@ -13,6 +13,7 @@
 #include <kerf/kerf.h>
 #include <kerf/kerf.hpp>
 #include <kerf/kerf11.hpp>
+#include <kerf/scene.hpp>
 
 namespace {
 
@@ -20,11 +21,13 @@ namespace {
 static_assert(sizeof(kerf_ray) == 32 && sizeof(kerf_hit) == 20 && sizeof(kerf_surface_point) == 32);
 static_assert(sizeof(kerf_primitive_id) == 8 && sizeof(kerf_touching_pair) == 16);
 static_assert(sizeof(kerf_triangle) == 36 && sizeof(kerf_box) == 24 && sizeof(kerf_transform) == 96);
+static_assert(sizeof(kerf_scene_hit) == 24 && sizeof(kerf_scene_point) == 36);
 static_assert(sizeof(kerf_hit_geometry) == 52 && sizeof(kerf_mesh_statistics) == 48);
 // These only grow, at their end.
 static_assert(sizeof(kerf_mesh) == 64 && sizeof(kerf_double_mesh) == 64 && sizeof(kerf_build_options) == 56);
 static_assert(sizeof(kerf_statistics) == 80 && sizeof(kerf_batch_options) == 16);
 static_assert(sizeof(kerf_rays) == 160 && sizeof(kerf_hits) == 96 && sizeof(kerf_points) == 32);
+static_assert(sizeof(kerf_refit_report) == 24 && sizeof(kerf_instance) == 128);
 
 struct Scene {
   std::vector<float> vertices;
@@ -315,6 +318,254 @@ TEST_F(CInterface, HierarchiesAreSavedSharedAndMeasured) {
   EXPECT_EQ(triangle.v0[2], 1.0f);
   ASSERT_EQ(kerf_get_triangle(scene.c, {1u << 30, 0}, &triangle, &found), KERF_OK);
   EXPECT_EQ(found, 0);
+}
+
+TEST_F(CInterface, ARefitAnswersAsANewBuildAndLeavesOtherOwnersAlone) {
+  kerf_bvh* mine = nullptr;
+  const kerf_mesh view = scene.mesh();
+  ASSERT_EQ(kerf_build(&view, 1, nullptr, &mine), KERF_OK);
+  const kerf_bvh* const before = mine;
+  for (std::size_t i = 0; i < scene.vertices.size(); ++i)
+    scene.vertices[i] += 0.2f * std::sin(static_cast<float>(i));
+  kerf_refit_report report = KERF_REFIT_REPORT_INIT;
+  const kerf_mesh bent = scene.mesh();
+  ASSERT_EQ(kerf_refit(&mine, &bent, 1, nullptr, &report), KERF_OK) << kerf_last_error();
+  EXPECT_EQ(mine, before) << "the only owner keeps its handle";
+  EXPECT_GT(report.cost_ratio, 1.0);
+  EXPECT_EQ(report.rebuilt, 0);
+
+  kerf_bvh* shared = kerf_bvh_retain(scene.c);
+  ASSERT_EQ(kerf_refit(&shared, &bent, 1, nullptr, nullptr), KERF_OK);
+  EXPECT_NE(shared, scene.c);
+  const kerf::Bvh built = kerf::build({.vertices = scene.vertices, .triangles = scene.triangles});
+  for (int i = 0; i < 300; ++i) {
+    const kerf_ray from = ray();
+    const auto expected = built.intersect(as<kerf::Ray>(from)).value_or(kerf::Hit{});
+    kerf_hit hit;
+    kerf_intersect(mine, &from, &hit);
+    ASSERT_EQ(as<kerf::Hit>(hit), expected);
+    kerf_intersect(shared, &from, &hit);
+    ASSERT_EQ(as<kerf::Hit>(hit), expected);
+    kerf_intersect(scene.c, &from, &hit);
+    ASSERT_EQ(as<kerf::Hit>(hit), scene.cpp.intersect(as<kerf::Ray>(from)).value_or(kerf::Hit{}));
+  }
+  kerf_mesh shorter = bent;
+  shorter.triangle_count -= 1;
+  EXPECT_EQ(kerf_refit(&mine, &shorter, 1, nullptr, nullptr), KERF_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(kerf_last_error()).find("triangles"), std::string::npos) << kerf_last_error();
+  report.struct_size = 0;
+  EXPECT_EQ(kerf_refit(&mine, &bent, 1, nullptr, &report), KERF_INVALID_ARGUMENT);
+  EXPECT_EQ(mine, before);
+  EXPECT_EQ(kerf_refit(nullptr, &bent, 1, nullptr, nullptr), KERF_INVALID_ARGUMENT);
+  kerf_bvh* none = nullptr;
+  EXPECT_EQ(kerf_refit(&none, &bent, 1, nullptr, nullptr), KERF_INVALID_ARGUMENT);
+  kerf_bvh_release(mine);
+  kerf_bvh_release(shared);
+}
+
+// Scenes of the test's sphere under transforms of all kinds, one of them in the other.
+class CScene : public CInterface {
+ protected:
+  void SetUp() override {
+    CInterface::SetUp();
+    std::vector<kerf_instance> given;
+    std::vector<kerf::Instance> instances;
+    const double pi = 3.14159265358979;
+    for (std::uint32_t i = 0; i < 12; ++i) {
+      const double c = std::cos(pi * i / 6), s = std::sin(pi * i / 6), size = 0.2 + 0.02 * i;
+      kerf_instance instance = KERF_INSTANCE_INIT;
+      instance.object = scene.c;
+      instance.transform = {
+          {{size * c, -size * s, 0, c}, {size * s, size * c, 0.1, s}, {0, 0, 2 * size, 0.1 * i}}};
+      instance.mask = 1u << (i % 3);
+      instance.number = 100 + i;
+      given.push_back(instance);
+      instances.push_back({.object = scene.cpp,
+                           .transform = as<kerf::Transform>(instance.transform),
+                           .mask = {instance.mask},
+                           .number = instance.number});
+    }
+    ASSERT_EQ(kerf_build_scene(given.data(), given.size(), nullptr, &ring), KERF_OK) << kerf_last_error();
+    const kerf::Scene cpp_ring = kerf::build(instances);
+    std::vector<kerf_instance> rings(2, kerf_instance KERF_INSTANCE_INIT);
+    rings[0].scene = rings[1].scene = ring;
+    rings[1].transform.rows[2][3] = -0.7;
+    ASSERT_EQ(kerf_build_scene(rings.data(), rings.size(), nullptr, &both), KERF_OK) << kerf_last_error();
+    cpp = kerf::build(std::vector<kerf::Instance>{
+        {.scene = cpp_ring}, {.scene = cpp_ring, .transform = as<kerf::Transform>(rings[1].transform)}});
+  }
+  void TearDown() override {
+    kerf_scene_release(both);
+    kerf_scene_release(ring);
+  }
+
+  kerf_scene *ring = nullptr, *both = nullptr;
+  kerf::Scene cpp;
+};
+
+TEST_F(CScene, OneRayAndOnePointAreAnsweredAsInCpp) {
+  int hits = 0, inside_count = 0;
+  for (int i = 0; i < 300; ++i) {
+    const kerf_ray from = ray();
+    const auto to = as<kerf::Ray>(from);
+    const kerf::SceneHit hit = cpp.intersect(to).value_or(kerf::SceneHit{});
+    hits += bool(hit);
+    kerf_scene_hit found;
+    ASSERT_EQ(kerf_scene_intersect(both, &from, &found), int(bool(hit)));
+    ASSERT_EQ(as<kerf::SceneHit>(found), hit);
+    ASSERT_EQ(kerf_scene_occluded(both, &from), int(bool(hit)));
+    ASSERT_EQ(kerf_scene_intersect_masked(both, &from, 2, &found), KERF_OK);
+    ASSERT_EQ(as<kerf::SceneHit>(found), cpp.intersect(to, kerf::Mask{2}).value_or(kerf::SceneHit{}));
+    int occluded;
+    ASSERT_EQ(kerf_scene_occluded_masked(both, &from, 2, &occluded), KERF_OK);
+    ASSERT_EQ(occluded != 0, found.instance != KERF_INVALID_ID);
+    std::vector<kerf::SceneHit> expected;
+    cpp.all_hits(to, [&](const kerf::SceneHit& crossing) { expected.push_back(crossing); });
+    std::vector<kerf_scene_hit> all(expected.size());
+    std::size_t count = 0;
+    ASSERT_EQ(kerf_scene_all_hits(both, &from, all.data(), all.size(), &count), KERF_OK);
+    ASSERT_EQ(as<kerf::SceneHit>(all), expected);
+    ASSERT_EQ(count, expected.size());
+    ASSERT_EQ(kerf_scene_count_hits(both, &from, &count), KERF_OK);
+    ASSERT_EQ(count, expected.size());
+
+    const auto at = point();
+    const kerf::Vec3f place{at[0], at[1], at[2]};
+    int inside;
+    float distance;
+    kerf_scene_point closest;
+    ASSERT_EQ(kerf_scene_contains(both, at.data(), &inside), KERF_OK);
+    ASSERT_EQ(inside != 0, cpp.contains(place));
+    inside_count += inside;
+    ASSERT_EQ(kerf_scene_signed_distance(both, at.data(), &distance), KERF_OK);
+    ASSERT_EQ(distance, cpp.signed_distance(place));
+    ASSERT_EQ(kerf_scene_closest_point(both, at.data(), 0.2f, &closest), KERF_OK);
+    ASSERT_EQ(as<kerf::ScenePoint>(closest), cpp.closest_point(place, 0.2f).value_or(kerf::ScenePoint{}));
+    std::vector<kerf_scene_point> list(100000);
+    ASSERT_EQ(kerf_scene_within(both, at.data(), 0.2f, list.data(), list.size(), &count), KERF_OK);
+    list.resize(count);
+    ASSERT_EQ(as<kerf::ScenePoint>(list), cpp.within(place, 0.2f));
+  }
+  EXPECT_GT(hits, 30);
+  EXPECT_GT(inside_count, 3);
+}
+
+TEST_F(CScene, ManyAreAnsweredAsOneByOne) {
+  std::vector<kerf_ray> rays(500);
+  std::vector<float> points;
+  for (kerf_ray& each : rays) {
+    each = ray();
+    points.insert(points.end(), each.origin, each.origin + 3);
+  }
+  const kerf_rays from = kerf_rays_of(rays.data(), rays.size());
+  const kerf_points asked = kerf_points_of(points.data(), rays.size());
+  std::vector<kerf_scene_hit> hits(rays.size());
+  std::vector<std::uint8_t> occluded(rays.size()), inside(rays.size());
+  std::vector<std::uint32_t> counts(rays.size());
+  std::vector<float> distances(rays.size());
+  std::vector<kerf_scene_point> closest(rays.size());
+  std::vector<std::size_t> offsets(rays.size() + 1);
+  kerf_batch_options options = KERF_BATCH_OPTIONS_INIT;
+  options.threads = 2;
+  ASSERT_EQ(kerf_scene_intersect_many(both, &from, hits.data(), &options), KERF_OK);
+  ASSERT_EQ(kerf_scene_occluded_many(both, &from, occluded.data(), nullptr), KERF_OK);
+  ASSERT_EQ(kerf_scene_count_hits_many(both, &from, counts.data(), nullptr), KERF_OK);
+  ASSERT_EQ(kerf_scene_contains_many(both, &asked, inside.data(), nullptr), KERF_OK);
+  ASSERT_EQ(kerf_scene_signed_distance_many(both, &asked, distances.data(), nullptr), KERF_OK);
+  ASSERT_EQ(kerf_scene_closest_point_many(both, &asked, 0.3f, closest.data(), nullptr), KERF_OK);
+  const auto all = cpp.all_hits(as<kerf::Ray>(rays));
+  ASSERT_EQ(kerf_scene_all_hits_many(both, &from, offsets.data(), nullptr, 0, nullptr), KERF_OK);
+  ASSERT_EQ(offsets, all.offsets);
+  std::vector<kerf_scene_hit> listed(offsets.back());
+  ASSERT_EQ(kerf_scene_all_hits_many(both, &from, offsets.data(), listed.data(), listed.size(), nullptr),
+            KERF_OK);
+  ASSERT_EQ(as<kerf::SceneHit>(listed), all.items);
+  const auto within = cpp.within(kerf::TripleView<float>(points), 0.1f);
+  std::vector<kerf_scene_point> found(within.items.size());
+  ASSERT_EQ(kerf_scene_within_many(both, &asked, 0.1f, offsets.data(), found.data(), found.size(), nullptr),
+            KERF_OK);
+  ASSERT_EQ(offsets, within.offsets);
+  ASSERT_EQ(as<kerf::ScenePoint>(found), within.items);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const auto to = as<kerf::Ray>(rays[i]);
+    ASSERT_EQ(as<kerf::SceneHit>(hits[i]), cpp.intersect(to).value_or(kerf::SceneHit{}));
+    ASSERT_EQ(occluded[i] != 0, cpp.occluded(to));
+    ASSERT_EQ(counts[i], cpp.count_hits(to));
+    ASSERT_EQ(inside[i] != 0, cpp.contains(to.origin));
+    ASSERT_EQ(distances[i], cpp.signed_distance(to.origin));
+    ASSERT_EQ(as<kerf::ScenePoint>(closest[i]),
+              cpp.closest_point(to.origin, 0.3f).value_or(kerf::ScenePoint{}));
+  }
+  // Each ray with its own mask.
+  kerf_rays masked = from;
+  const std::uint32_t bits = 4;
+  masked.mask = {&bits, 0};
+  ASSERT_EQ(kerf_scene_intersect_many(both, &masked, hits.data(), nullptr), KERF_OK);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_EQ(as<kerf::SceneHit>(hits[i]),
+              cpp.intersect(as<kerf::Ray>(rays[i]), kerf::Mask{4}).value_or(kerf::SceneHit{}));
+  }
+}
+
+TEST_F(CScene, InstancesAreNamedAndKeptAsLongAsTheScene) {
+  EXPECT_EQ(kerf_scene_instance_count(both), 24u);
+  std::uint32_t path[2];
+  std::size_t count;
+  ASSERT_EQ(kerf_scene_path(both, 17, path, 2, &count), KERF_OK);
+  EXPECT_EQ(count, 2u);
+  EXPECT_EQ(path[0], 1u);
+  EXPECT_EQ(path[1], 5u);
+  EXPECT_EQ(kerf_scene_path(both, 24, path, 2, &count), KERF_INVALID_ARGUMENT);
+  EXPECT_EQ(as<kerf::Box3f>(kerf_scene_bounds(both)), cpp.bounds());
+  EXPECT_EQ(kerf_scene_bytes(both), cpp.bytes());
+
+  kerf_scene_release(ring);  // `both` is its owner still
+  ring = nullptr;
+  kerf_instance row = KERF_INSTANCE_INIT, one = KERF_INSTANCE_INIT;
+  ASSERT_EQ(kerf_scene_get_instance(both, 1, &row), KERF_OK);
+  EXPECT_EQ(row.object, nullptr);
+  ASSERT_EQ(kerf_scene_get_instance(row.scene, 5, &one), KERF_OK);
+  EXPECT_EQ(one.object, scene.c);
+  EXPECT_EQ(one.number, 105u);
+  EXPECT_EQ(kerf_scene_get_instance(both, 2, &one), KERF_INVALID_ARGUMENT);
+
+  kerf_bvh* bent = kerf_bvh_retain(scene.c);
+  for (float& x : scene.vertices) x *= 1.5f;
+  const kerf_mesh view = scene.mesh();
+  ASSERT_EQ(kerf_refit(&bent, &view, 1, nullptr, nullptr), KERF_OK);
+  EXPECT_NE(bent, scene.c) << "a scene stands on it";
+  EXPECT_EQ(as<kerf::Box3f>(kerf_scene_bounds(both)), cpp.bounds());
+  kerf_bvh_release(bent);
+}
+
+TEST_F(CScene, WhatCannotBeAnInstanceIsRefusedWithASentence) {
+  kerf_scene* made = ring;
+  kerf_instance instance = KERF_INSTANCE_INIT;
+  const auto refused = [&](const char* word) {
+    EXPECT_EQ(kerf_build_scene(&instance, 1, nullptr, &made), KERF_INVALID_ARGUMENT);
+    EXPECT_EQ(made, nullptr);
+    EXPECT_NE(std::string(kerf_last_error()).find(word), std::string::npos) << kerf_last_error();
+    instance = KERF_INSTANCE_INIT;
+    instance.object = scene.c;
+  };
+  refused("an object or a scene");
+  instance.scene = ring;
+  refused("an object or a scene");
+  instance.transform.rows[1][1] = NAN;
+  refused("finite");
+  instance.transform.rows[2][2] = 0;
+  refused("flattens");
+  instance.struct_size = 3;
+  refused("struct_size");
+  EXPECT_EQ(kerf_build_scene(&instance, 1, nullptr, nullptr), KERF_INVALID_ARGUMENT);
+  EXPECT_EQ(kerf_build_scene(nullptr, 1, nullptr, &made), KERF_INVALID_ARGUMENT);
+  ASSERT_EQ(kerf_build_scene(nullptr, 0, nullptr, &made), KERF_OK);
+  const kerf_ray from = ray();
+  EXPECT_EQ(kerf_scene_occluded(made, &from), 0);
+  kerf_scene_release(made);
+  kerf_scene_release(nullptr);
+  EXPECT_EQ(kerf_scene_contains(ring, nullptr, nullptr), KERF_INVALID_ARGUMENT);
+  EXPECT_EQ(kerf_scene_intersect_many(nullptr, nullptr, nullptr, nullptr), KERF_INVALID_ARGUMENT);
 }
 
 TEST_F(CInterface, DoublesAreBuiltInALocalFrame) {

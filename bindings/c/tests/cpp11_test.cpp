@@ -38,6 +38,31 @@ int main() {
 
   const std::vector<kerf_ray> rays(100, up);
   expect(bvh.intersect(rays, 2).back().t == 1.0f && bvh.occluded(rays)[99] == 1, "many rays");
+  for (std::size_t i = 2; i < vertices.size(); i += 3) vertices[i] += 0.5f;
+  const kerf_refit_report report = moved.refit(kerf11::mesh(vertices, triangles));
+  expect(report.cost_ratio == 1.0 && report.rebuilt == 0, "a stack that was moved as a whole");
+  expect(moved.intersect(up, hit) && hit.t == 1.5f, "triangles have moved");
+  expect(bvh.intersect(up, hit) && hit.t == 1.0f, "a handle that shared them stays as it was");
+
+  kerf_transform aside = {{{1, 0, 0, 10}, {0, 1, 0, 0}, {0, 0, 2, 0}}};
+  const kerf11::Scene pair({kerf11::instance(bvh), kerf11::instance(bvh, &aside)});
+  const kerf_ray up_there = {{10.25f, 0.25f, -1}, {0, 0, 1}, 0, 1000};
+  kerf_scene_hit there;
+  expect(pair.intersect(up_there, there) && there.t == 1.0f && there.instance == 1, "an instance is hit");
+  expect(pair.all_hits(up_there).size() == 40 && pair.count_hits(up_there) == 40, "all hits of a scene");
+  expect(pair.all_hits(up_there)[39].t == 79.0f, "under a scale");
+  const float near[3] = {10.25f, 0.25f, 6.5f};
+  expect(pair.closest_point(near).distance == 0.5f && pair.within(near, 2.0f).size() == 2,
+         "points of a scene");
+  const kerf_transform far_off = {{{1, 0, 0, 0}, {0, 1, 0, 100}, {0, 0, 1, 0}}};
+  const kerf11::Scene two({kerf11::instance(pair), kerf11::instance(pair, &far_off)});
+  expect(two.instance_count() == 4 && two.path(3) == std::vector<std::uint32_t>({1, 1}), "scenes in a scene");
+  expect(two.intersect(std::vector<kerf_ray>(10, up_there))[9].instance == 1, "many rays through scenes");
+  expect(two.occluded(rays, 1)[0] == 1 && two.bounds().upper[1] >= 101.0f, "both scenes are there");
+  kerf11::Scene taken = two, empty;
+  empty = std::move(taken);
+  expect(empty.occluded(up) && !taken.occluded(up), "a scene that was moved from is one of nothing");
+
   try {
     kerf11::Bvh::load("no such file.kerf");
     expect(false, "a missing file throws");

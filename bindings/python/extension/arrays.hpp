@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <utility>
+#include <vector>
 
 #include <kerf/kerf.hpp>
 #include <nanobind/nanobind.h>
@@ -16,6 +18,35 @@
 namespace kerf::python {
 
 namespace nb = nanobind;
+
+/// A hierarchy that a thread may refit while others ask it: what they ask is answered for all corners as they
+/// were before or for all as they are after.
+class Hierarchy {
+ public:
+  Hierarchy() = default;
+  explicit Hierarchy(Bvh bvh) : bvh_(std::move(bvh)) {}
+
+  /// A handle of its own for a call, so that a refit that begins meanwhile works on a copy. One that goes on
+  /// already is waited for, without Python's lock.
+  Bvh now() const {
+    std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock.owns_lock()) {
+      const nb::gil_scoped_release unlocked;
+      lock.lock();
+    }
+    return bvh_;
+  }
+
+  /// Without Python's lock.
+  RefitReport refit(std::span<const TriangleMesh> meshes, const BuildOptions& options) {
+    const std::lock_guard lock(mutex_);
+    return kerf::refit(bvh_, meshes, options);
+  }
+
+ private:
+  Bvh bvh_;
+  mutable std::mutex mutex_;
+};
 
 /// n triples of floats at any strides: origins, directions, points.
 using Triples = nb::ndarray<const float, nb::shape<-1, 3>, nb::device::cpu>;
@@ -38,6 +69,12 @@ template <class T>
 Column<const T> column(const std::optional<Numbers<T>>& numbers) {
   if (!numbers) return {};
   return {numbers->data(), stride_in_bytes(*numbers, 0)};
+}
+
+/// Records of the library's types in an array of bytes.
+template <class T>
+std::span<T> records(const Bytes& bytes) {
+  return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
 }
 
 /// Answer `first` and on of a column, whose address may be null.
@@ -72,6 +109,28 @@ void in_slices(std::size_t count, const Call& call) {
   }
 }
 
+/// The same of answers that are lists: `call(first, count)` returns those of a slice.
+template <class T, class Call>
+Lists<T> list_in_slices(std::size_t count, const Call& call) {
+  constexpr std::size_t slice = std::size_t{1} << 16;
+  Lists<T> all;
+  for (std::size_t first = 0; first < count || first == 0; first += slice) {
+    {
+      const nb::gil_scoped_release unlocked;
+      Lists<T> part = call(first, std::min(slice, count - first));
+      if (count <= slice) {
+        all = std::move(part);
+      } else {
+        const std::size_t before = all.items.size();
+        for (std::size_t i = 1; i < part.offsets.size(); ++i) all.offsets.push_back(before + part.offsets[i]);
+        all.items.insert(all.items.end(), part.items.begin(), part.items.end());
+      }
+    }
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+  }
+  return all;
+}
+
 /// The items of a vector as bytes; their memory passes to the array.
 template <class T>
 nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<1>> to_bytes(std::vector<T>&& items) {
@@ -102,5 +161,6 @@ void add_build(nb::module_& module);
 void add_ray_queries(nb::module_& module);
 void add_point_queries(nb::module_& module);
 void add_shape_queries(nb::module_& module);
+void add_scene(nb::module_& module);
 
 }  // namespace kerf::python

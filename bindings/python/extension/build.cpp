@@ -1,8 +1,9 @@
-// Builds, from arrays of vertices and triangles.
+// Builds and refits, from arrays of vertices and triangles.
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -68,19 +69,19 @@ Builder builder_named(std::string_view name) {
               "there is no builder " + std::string(name) + ", but there are " + known);
 }
 
-/// A build on a thread of its own. The thread that asked for it waits, runs what signals ask for, and calls
-/// `progress`, which thus runs where Python's programs expect it.
+/// A build, or a refit that may become one, on a thread of its own. The thread that asked for it waits, runs
+/// what signals ask for, and calls `progress`, which thus runs where Python's programs expect it.
 class Build {
  public:
-  Build(const Meshes& meshes, BuildOptions options) {
+  Build(BuildOptions options, std::function<void(const BuildOptions&)> work) {
     options.progress = [this](float fraction) {
       const std::lock_guard lock(mutex_);
       fraction_ = fraction;
       return !cancelled_;
     };
-    thread_ = std::thread([this, &meshes, options] {
+    thread_ = std::thread([this, options, work = std::move(work)] {
       try {
-        bvh_ = meshes.build(options);
+        work(options);
       } catch (...) {
         failure_ = std::current_exception();
       }
@@ -94,7 +95,7 @@ class Build {
   Build(const Build&) = delete;
   Build& operator=(const Build&) = delete;
 
-  Bvh wait(const nb::object& progress) {
+  void wait(const nb::object& progress) {
     constexpr std::chrono::milliseconds between_looks(20);
     float told = -1.0f;
     for (bool is_done = false; !is_done;) {
@@ -117,7 +118,6 @@ class Build {
     }
     thread_.join();
     if (failure_) std::rethrow_exception(failure_);
-    return std::move(bvh_);
   }
 
  private:
@@ -137,7 +137,6 @@ class Build {
   bool cancelled_ = false;
   bool is_done_ = false;
   std::exception_ptr failure_;
-  Bvh bvh_;
   std::thread thread_;
 };
 
@@ -153,17 +152,43 @@ BuildOptions options_of(std::string_view builder, float alpha, float max_referen
           .presplit_references = presplit_references};
 }
 
-Bvh build(const std::vector<Rows>& vertices, const std::vector<Rows>& faces,
-          const std::vector<std::uint32_t>& masks, const std::string& builder, float alpha,
-          float max_reference_ratio, unsigned max_leaf_size, unsigned threads, bool skip_non_finite,
-          std::size_t presplit_references, const nb::object& progress) {
-  // Builds of up to so many triangles end before anybody could press a key: they need no thread of their own.
-  constexpr std::size_t small = 20'000;
+// Up to so many triangles a build ends before anybody could press a key: it needs no thread of its own.
+constexpr std::size_t small = 20'000;
+
+// Calls `work` with the options.
+template <class Work>
+void run(const Meshes& meshes, const BuildOptions& options, const nb::object& progress, const Work& work) {
+  if (meshes.triangles <= small && progress.is_none()) {
+    unlocked([&] { work(options); });
+  } else {
+    Build(options, work).wait(progress);
+  }
+}
+
+Hierarchy* build(const std::vector<Rows>& vertices, const std::vector<Rows>& faces,
+                 const std::vector<std::uint32_t>& masks, const std::string& builder, float alpha,
+                 float max_reference_ratio, unsigned max_leaf_size, unsigned threads, bool skip_non_finite,
+                 std::size_t presplit_references, const nb::object& progress) {
   const Meshes meshes(vertices, faces, masks);
-  const BuildOptions options = options_of(builder, alpha, max_reference_ratio, max_leaf_size, threads,
-                                          skip_non_finite, presplit_references);
-  if (meshes.triangles <= small && progress.is_none()) return unlocked([&] { return meshes.build(options); });
-  return Build(meshes, options).wait(progress);
+  Bvh bvh;
+  run(meshes,
+      options_of(builder, alpha, max_reference_ratio, max_leaf_size, threads, skip_non_finite,
+                 presplit_references),
+      progress, [&](const BuildOptions& options) { bvh = meshes.build(options); });
+  return new Hierarchy(std::move(bvh));
+}
+
+nb::tuple refit(Hierarchy& hierarchy, const std::vector<Rows>& vertices, const std::vector<Rows>& faces,
+                const std::string& builder, float alpha, float max_reference_ratio, unsigned max_leaf_size,
+                unsigned threads, bool skip_non_finite, std::size_t presplit_references,
+                const nb::object& progress) {
+  const Meshes meshes(vertices, faces, std::vector<std::uint32_t>(vertices.size(), Mask{}.bits));
+  RefitReport report;
+  run(meshes,
+      options_of(builder, alpha, max_reference_ratio, max_leaf_size, threads, skip_non_finite,
+                 presplit_references),
+      progress, [&](const BuildOptions& options) { report = hierarchy.refit(meshes.floats, options); });
+  return nb::make_tuple(report.cost_ratio, report.rebuilt);
 }
 
 nb::tuple measure(const std::vector<Rows>& vertices, const std::vector<Rows>& faces,
@@ -189,6 +214,10 @@ nb::tuple measure(const std::vector<Rows>& vertices, const std::vector<Rows>& fa
 
 void add_build(nb::module_& module) {
   module.def("build", &build, nb::arg("vertices").noconvert(), nb::arg("faces").noconvert(), nb::arg("masks"),
+             nb::arg("builder"), nb::arg("alpha"), nb::arg("max_reference_ratio"), nb::arg("max_leaf_size"),
+             nb::arg("threads"), nb::arg("skip_non_finite"), nb::arg("presplit_references"),
+             nb::arg("progress").none());
+  module.def("refit", &refit, nb::arg("bvh"), nb::arg("vertices").noconvert(), nb::arg("faces").noconvert(),
              nb::arg("builder"), nb::arg("alpha"), nb::arg("max_reference_ratio"), nb::arg("max_leaf_size"),
              nb::arg("threads"), nb::arg("skip_non_finite"), nb::arg("presplit_references"),
              nb::arg("progress").none());

@@ -21,7 +21,8 @@ PyObject* type_of(Error::Code code, PyObject* cancelled) {
   }
 }
 
-nb::tuple statistics(const Bvh& bvh) {
+nb::tuple statistics(const Hierarchy& hierarchy) {
+  const Bvh bvh = hierarchy.now();
   const BvhStatistics& s = bvh.statistics();
   return nb::make_tuple(s.triangles, s.degenerate_triangles, s.non_finite_triangles, s.degenerate_by_rounding,
                         s.references, s.nodes, s.bytes, s.build_peak_bytes, s.build_seconds);
@@ -31,17 +32,18 @@ nb::tuple coordinates(const Vec3f& v) {
   return nb::make_tuple(v.x, v.y, v.z);
 }
 
-nb::tuple bounds(const Bvh& bvh) {
-  const Box3f box = bvh.bounds();
+nb::tuple bounds(const Hierarchy& hierarchy) {
+  const Box3f box = hierarchy.now().bounds();
   return nb::make_tuple(coordinates(box.lower), coordinates(box.upper));
 }
 
-nb::tuple origin(const Bvh& bvh) {
-  const Vec3d o = bvh.origin();
+nb::tuple origin(const Hierarchy& hierarchy) {
+  const Vec3d o = hierarchy.now().origin();
   return nb::make_tuple(o.x, o.y, o.z);
 }
 
-nb::list mesh_statistics(const Bvh& bvh) {
+nb::list mesh_statistics(const Hierarchy& hierarchy) {
+  const Bvh bvh = hierarchy.now();
   nb::list list;
   for (const MeshStatistics& s : unlocked([&] { return bvh.mesh_statistics(); })) {
     list.append(nb::make_tuple(s.triangles, s.left_out, s.references, coordinates(s.bounds.lower),
@@ -70,22 +72,26 @@ NB_MODULE(_kerf, module) {
     }
   });
 
-  nb::class_<Bvh>(module, "Bvh")
+  nb::class_<Hierarchy>(module, "Bvh")
       .def(nb::init<>())
       .def("origin", &origin)
       .def("bounds", &bounds)
       .def("statistics", &statistics)
       .def("mesh_statistics", &mesh_statistics)
-      .def("save", [](const Bvh& bvh, const std::filesystem::path& path) {
+      .def("save", [](const Hierarchy& hierarchy, const std::filesystem::path& path) {
+        const Bvh bvh = hierarchy.now();
         return unlocked([&] { return bvh.save(path); });
       });
-  module.def("load",
-             [](const std::filesystem::path& path) { return unlocked([&] { return Bvh::load(path); }); });
-  module.def("map",
-             [](const std::filesystem::path& path) { return unlocked([&] { return Bvh::map(path); }); });
+  module.def("load", [](const std::filesystem::path& path) {
+    return new Hierarchy(unlocked([&] { return Bvh::load(path); }));
+  });
+  module.def("map", [](const std::filesystem::path& path) {
+    return new Hierarchy(unlocked([&] { return Bvh::map(path); }));
+  });
 
   add_build(module);
   add_ray_queries(module);
   add_point_queries(module);
   add_shape_queries(module);
+  add_scene(module);
 }

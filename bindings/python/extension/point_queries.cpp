@@ -7,55 +7,59 @@
 namespace kerf::python {
 namespace {
 
-template <class T>
-std::span<T> records(const Bytes& bytes) {
-  return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
-}
-
-void contains(const Bvh& bvh, const Triples& points, Bytes inside, unsigned threads) {
+void contains(const Hierarchy& hierarchy, const Triples& points, Bytes inside, unsigned threads) {
+  const Bvh bvh = hierarchy.now();
   in_slices(points.shape(0), [&](std::size_t first, std::size_t count) {
     bvh.contains(points_of(points, first, count), FlagView(inside.data() + first, count),
                  {.threads = threads});
   });
 }
 
-void side(const Bvh& bvh, const Triples& points, Bytes sides, unsigned threads) {
+void side(const Hierarchy& hierarchy, const Triples& points, Bytes sides, unsigned threads) {
+  const Bvh bvh = hierarchy.now();
   in_slices(points.shape(0), [&](std::size_t first, std::size_t count) {
     bvh.side(points_of(points, first, count), records<Side>(sides).subspan(first, count),
              {.threads = threads});
   });
 }
 
-void signed_distance(const Bvh& bvh, const Triples& points, Answers<float> distances, unsigned threads) {
+void signed_distance(const Hierarchy& hierarchy, const Triples& points, Answers<float> distances,
+                     unsigned threads) {
+  const Bvh bvh = hierarchy.now();
   in_slices(points.shape(0), [&](std::size_t first, std::size_t count) {
     bvh.signed_distance(points_of(points, first, count), {distances.data() + first, count},
                         {.threads = threads});
   });
 }
 
-void closest_point(const Bvh& bvh, const Triples& points, Bytes closest, float max_distance,
+void closest_point(const Hierarchy& hierarchy, const Triples& points, Bytes closest, float max_distance,
                    unsigned threads) {
+  const Bvh bvh = hierarchy.now();
   in_slices(points.shape(0), [&](std::size_t first, std::size_t count) {
     bvh.closest_point(points_of(points, first, count), records<SurfacePoint>(closest).subspan(first, count),
                       max_distance, {.threads = threads});
   });
 }
 
-nb::tuple nearest(const Bvh& bvh, const Triples& points, std::size_t count, float max_distance,
+nb::tuple nearest(const Hierarchy& hierarchy, const Triples& points, std::size_t count, float max_distance,
                   unsigned threads) {
-  return to_tuple(unlocked([&] {
-    return bvh.nearest(points_of(points, 0, points.shape(0)), count, max_distance, {.threads = threads});
+  const Bvh bvh = hierarchy.now();
+  return to_tuple(list_in_slices<SurfacePoint>(points.shape(0), [&](std::size_t first, std::size_t some) {
+    return bvh.nearest(points_of(points, first, some), count, max_distance, {.threads = threads});
   }));
 }
 
-nb::tuple within(const Bvh& bvh, const Triples& points, float radius, unsigned threads) {
-  return to_tuple(unlocked(
-      [&] { return bvh.within(points_of(points, 0, points.shape(0)), radius, {.threads = threads}); }));
+nb::tuple within(const Hierarchy& hierarchy, const Triples& points, float radius, unsigned threads) {
+  const Bvh bvh = hierarchy.now();
+  return to_tuple(list_in_slices<SurfacePoint>(points.shape(0), [&](std::size_t first, std::size_t count) {
+    return bvh.within(points_of(points, first, count), radius, {.threads = threads});
+  }));
 }
 
 /// Points in the coordinates of the meshes as the hierarchy takes them.
-void to_local(const Bvh& bvh, nb::ndarray<const double, nb::shape<-1, 3>, nb::device::cpu> points,
+void to_local(const Hierarchy& hierarchy, nb::ndarray<const double, nb::shape<-1, 3>, nb::device::cpu> points,
               Answers<float> local) {
+  const Bvh bvh = hierarchy.now();
   in_slices(points.shape(0), [&](std::size_t first, std::size_t count) {
     for (std::size_t i = first; i < first + count; ++i) {
       const double* point = points.data() + static_cast<std::int64_t>(i) * points.stride(0);

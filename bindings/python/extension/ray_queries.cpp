@@ -3,57 +3,10 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "rays.hpp"
 
 namespace kerf::python {
 namespace {
-
-/// Rays as Python gives them.
-struct Rays {
-  RayView view;
-
-  Rays(const Triples& origins, const Triples& directions, const std::optional<Numbers<float>>& t_min,
-       const std::optional<Numbers<float>>& t_max, const std::optional<Numbers<std::uint32_t>>& mask) {
-    view.count = origins.shape(0);
-    for (int axis = 0; axis < 3; ++axis) {
-      view.origin[axis] = {origins.data() + axis * origins.stride(1), stride_in_bytes(origins, 0)};
-      view.direction[axis] = {directions.data() + axis * directions.stride(1),
-                              stride_in_bytes(directions, 0)};
-    }
-    view.t_min = column(t_min);
-    view.t_max = column(t_max);
-    view.mask = column(mask);
-  }
-
-  RayView slice(std::size_t first, std::size_t count) const {
-    RayView slice = view;
-    slice.count = count;
-    for (int axis = 0; axis < 3; ++axis) {
-      slice.origin[axis] = from(view.origin[axis], first);
-      slice.direction[axis] = from(view.direction[axis], first);
-    }
-    slice.t_min = from(view.t_min, first);
-    slice.t_max = from(view.t_max, first);
-    slice.mask = from(view.mask, first);
-    return slice;
-  }
-
-  Ray operator[](std::size_t i) const {
-    const auto number = [i](const Column<const float>& column, float otherwise) {
-      if (column.data == nullptr) return otherwise;
-      float number;
-      std::memcpy(&number, from(column, i).data, sizeof(number));
-      return number;
-    };
-    Ray ray;
-    for (int axis = 0; axis < 3; ++axis) {
-      ray.origin[axis] = number(view.origin[axis], 0.0f);
-      ray.direction[axis] = number(view.direction[axis], 0.0f);
-    }
-    ray.t_min = number(view.t_min, ray.t_min);
-    ray.t_max = number(view.t_max, ray.t_max);
-    return ray;
-  }
-};
 
 /// Which triangles count: a byte for each, mesh after mesh, and where each mesh begins.
 struct Accepted {
@@ -68,11 +21,12 @@ struct Accepted {
 using Flags = std::optional<Numbers<std::uint8_t>>;
 using Offsets = std::optional<Numbers<std::int64_t>>;
 
-void intersect(const Bvh& bvh, const Triples& origins, const Triples& directions,
+void intersect(const Hierarchy& hierarchy, const Triples& origins, const Triples& directions,
                const std::optional<Numbers<float>>& t_min, const std::optional<Numbers<float>>& t_max,
                const std::optional<Numbers<std::uint32_t>>& mask, const Flags& accepted,
                const Offsets& offsets, Answers<float> t, Answers<float> u, Answers<float> v,
                Answers<std::uint32_t> primitive, Answers<std::uint32_t> mesh, unsigned threads) {
+  const Bvh bvh = hierarchy.now();
   const Rays rays(origins, directions, t_min, t_max, mask);
   in_slices(rays.view.count, [&](std::size_t first, std::size_t count) {
     HitView hits;
@@ -91,10 +45,11 @@ void intersect(const Bvh& bvh, const Triples& origins, const Triples& directions
   });
 }
 
-void occluded(const Bvh& bvh, const Triples& origins, const Triples& directions,
+void occluded(const Hierarchy& hierarchy, const Triples& origins, const Triples& directions,
               const std::optional<Numbers<float>>& t_min, const std::optional<Numbers<float>>& t_max,
               const std::optional<Numbers<std::uint32_t>>& mask, const Flags& accepted,
               const Offsets& offsets, Bytes answers, unsigned threads) {
+  const Bvh bvh = hierarchy.now();
   const Rays rays(origins, directions, t_min, t_max, mask);
   in_slices(rays.view.count, [&](std::size_t first, std::size_t count) {
     const FlagView flags(answers.data() + first, count);
@@ -107,25 +62,30 @@ void occluded(const Bvh& bvh, const Triples& origins, const Triples& directions,
   });
 }
 
-void count_hits(const Bvh& bvh, const Triples& origins, const Triples& directions,
+void count_hits(const Hierarchy& hierarchy, const Triples& origins, const Triples& directions,
                 const std::optional<Numbers<float>>& t_min, const std::optional<Numbers<float>>& t_max,
                 Answers<std::uint32_t> counts, unsigned threads) {
+  const Bvh bvh = hierarchy.now();
   const Rays rays(origins, directions, t_min, t_max, {});
   in_slices(rays.view.count, [&](std::size_t first, std::size_t count) {
     bvh.count_hits(rays.slice(first, count), {counts.data() + first, count}, {.threads = threads});
   });
 }
 
-nb::tuple all_hits(const Bvh& bvh, const Triples& origins, const Triples& directions,
+nb::tuple all_hits(const Hierarchy& hierarchy, const Triples& origins, const Triples& directions,
                    const std::optional<Numbers<float>>& t_min, const std::optional<Numbers<float>>& t_max,
                    unsigned threads) {
+  const Bvh bvh = hierarchy.now();
   const Rays rays(origins, directions, t_min, t_max, {});
-  return to_tuple(unlocked([&] { return bvh.all_hits(rays.view, {.threads = threads}); }));
+  return to_tuple(list_in_slices<Hit>(rays.view.count, [&](std::size_t first, std::size_t count) {
+    return bvh.all_hits(rays.slice(first, count), {.threads = threads});
+  }));
 }
 
-void geometry(const Bvh& bvh, const Triples& origins, const Triples& directions, Numbers<float> t,
+void geometry(const Hierarchy& hierarchy, const Triples& origins, const Triples& directions, Numbers<float> t,
               Numbers<float> u, Numbers<float> v, Numbers<std::uint32_t> primitive,
               Numbers<std::uint32_t> mesh, Answers<float> corners, Answers<float> normals, Bytes front) {
+  const Bvh bvh = hierarchy.now();
   const Rays rays(origins, directions, {}, {}, {});
   const auto at = [](const auto& numbers, std::size_t i) {
     return numbers.data()[static_cast<std::int64_t>(i) * numbers.stride(0)];

@@ -150,6 +150,14 @@ def test_ctrl_c_ends_a_call_of_many_rays_midway():
     assert out.primitive[-1] == 7
 
 
+def test_ctrl_c_ends_a_call_that_lists_midway():
+    bvh = kerf_bvh.Bvh(many_triangles(20000))
+    points = np.broadcast_to(np.float32([0.5, 0.5, 0.5]), (1 << 22, 3))  # half a minute and more
+    began = time.monotonic()
+    interrupted(lambda: bvh.within(points, 0.05, threads=1))
+    assert time.monotonic() - began < 10
+
+
 def test_other_threads_run_while_one_builds_and_asks():
     bvh = kerf_bvh.Bvh(many_triangles(20000))
     turns = 0

@@ -19,3 +19,15 @@ def distances(path: str, points: list[list[float]]) -> float:
     side: kerf_bvh.Side = kerf_bvh.Side(bvh.side(points)[0])
     near: kerf_bvh.SurfacePoints = bvh.nearest(points, 3)[0]
     return float(near.distance[0]) * int(inside.sum()) * side
+
+
+def seen_through(bvh: kerf_bvh.Bvh, vertices: npt.NDArray[np.float32], faces: npt.NDArray[np.int64]) -> list[int]:
+    report: kerf_bvh.RefitReport = bvh.refit(vertices, faces, threads=1)
+    if report.cost_ratio > 1.2 or report.rebuilt:
+        bvh = kerf_bvh.Bvh(vertices, faces)
+    row = kerf_bvh.Scene(bvh, np.tile(np.eye(4), (3, 1, 1)), numbers=[1, 2, 3])
+    scene = kerf_bvh.Scene([row, bvh], which=[0, 1, 1], masks=1)
+    hits: kerf_bvh.SceneHits = scene.intersect(vertices, [0, 0, 1], mask=1)
+    near: kerf_bvh.ScenePoints = scene.within(vertices, 0.5)[0]
+    lists: kerf_bvh.Lists[kerf_bvh.SceneHits] = scene.all_hits(vertices, [0, 0, 1])
+    return [*scene.path(int(hits.instance[0])), int(near.instance[0]), len(lists.items)]

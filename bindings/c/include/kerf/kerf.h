@@ -1,7 +1,8 @@
 /* kerf in C99: split bounding volume hierarchies over triangle meshes.
  *
- * - A hierarchy is a handle with a count of its owners: `kerf_bvh_retain` and `kerf_bvh_release`. It never
- *   changes, so that any number of threads may make any call at the same time.
+ * - A hierarchy is a handle with a count of its owners: `kerf_bvh_retain` and `kerf_bvh_release`; so is a
+ *   scene. Neither ever changes, but for `kerf_refit`, so that any number of threads may make any call at the
+ *   same time.
  * - Whatever can fail returns a `kerf_status`; `kerf_last_error` has the sentence. No exception leaves the
  *   library. What failed has written nothing but what is said at the call.
  * - All memory but the handles' own is the caller's. A list goes into an array of the caller's; the number of
@@ -11,7 +12,7 @@
  *
  * Coordinates may be in any unit and are below 2^126; t counts in lengths of a ray's direction. Strides are
  * bytes from one element to the next. What each call answers is described at the call of the same name in
- * <kerf/bvh.hpp>. */
+ * <kerf/bvh.hpp>, <kerf/refit.hpp> and <kerf/scene.hpp>. */
 #ifndef KERF_KERF_H
 #define KERF_KERF_H
 
@@ -58,7 +59,7 @@ KERF_C_API uint32_t kerf_version(void);
 
 /* ---- Values ---- */
 
-/* Stands for no triangle. */
+/* Stands for no triangle, no mesh and no instance. */
 #define KERF_INVALID_ID 0xffffffffu
 
 /* The points origin + t * direction with t_min <= t <= t_max. */
@@ -173,6 +174,24 @@ KERF_C_API kerf_status kerf_build(const kerf_mesh* meshes, size_t mesh_count,
                                   const kerf_build_options* options, kerf_bvh** bvh);
 KERF_C_API kerf_status kerf_build_double(const kerf_double_mesh* meshes, size_t mesh_count,
                                          const kerf_build_options* options, kerf_bvh** bvh);
+
+/* What a refit has made of a hierarchy. */
+typedef struct kerf_refit_report {
+  size_t struct_size;
+  double
+      cost_ratio;  /* what a random ray is expected to cost, over what it cost when built; 1.2: build anew */
+  int32_t rebuilt; /* 1 if the hierarchy was built anew, because a triangle that it lacks has an area now */
+} kerf_refit_report;
+#define KERF_REFIT_REPORT_INIT \
+  { sizeof(kerf_refit_report), 1.0, 0 }
+
+/* Moves the triangles of *bvh to where `meshes` have them now: as many meshes as were built, with as many
+ * triangles each. In place where the caller is the only owner. Where there are others, and in a scene there
+ * are, theirs stays as it is: the caller's share of it is released and *bvh becomes another handle. No other
+ * call of *bvh may run meanwhile. `report` may be null. After a failure *bvh is what it was, unless memory
+ * ran out in the middle: then it is a hierarchy of nothing. */
+KERF_C_API kerf_status kerf_refit(kerf_bvh** bvh, const kerf_mesh* meshes, size_t mesh_count,
+                                  const kerf_build_options* options, kerf_refit_report* report);
 
 /* One owner more, and one less; the last one frees the hierarchy. Null is allowed. */
 KERF_C_API kerf_bvh* kerf_bvh_retain(const kerf_bvh* bvh);
@@ -377,6 +396,109 @@ KERF_C_API kerf_status kerf_within_many(const kerf_bvh* bvh, const kerf_points* 
 KERF_C_API kerf_status kerf_triangles_in_many(const kerf_bvh* bvh, const kerf_box* boxes, size_t count,
                                               size_t* offsets, kerf_primitive_id* ids, size_t capacity,
                                               const kerf_batch_options* options);
+
+/* ---- Scenes: hierarchies at places ---- */
+
+/* A hierarchy over instances, which may be scenes themselves, up to eight levels deep. */
+typedef struct kerf_scene kerf_scene;
+
+/* An object, or a scene, at a place in a scene. One of the two is null. */
+typedef struct kerf_instance {
+  size_t struct_size;
+  const kerf_bvh* object;
+  const kerf_scene* scene;
+  kerf_transform transform; /* from the (local) coordinates of the object to those of the scene; invertible */
+  uint32_t mask;            /* rays that are traced with a mask see it if they share a bit */
+  uint32_t number;          /* the caller's own */
+} kerf_instance;
+#define KERF_INSTANCE_INIT \
+  { sizeof(kerf_instance), NULL, NULL, {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}, 0xffffffffu, 0 }
+
+/* As `kerf_hit`, and the number of the instance, see `kerf_scene_path`; KERF_INVALID_ID for a miss. */
+typedef struct kerf_scene_hit {
+  float t, u, v;
+  uint32_t primitive; /* number of the triangle within its mesh */
+  uint32_t mesh;      /* number of the mesh within the object */
+  uint32_t instance;
+} kerf_scene_hit;
+
+/* As `kerf_surface_point`, in the scene, and the number of the instance; KERF_INVALID_ID for none. */
+typedef struct kerf_scene_point {
+  float position[3];
+  float distance; /* from the given point */
+  float u, v;     /* weights of v1 and v2 */
+  uint32_t primitive;
+  uint32_t mesh;
+  uint32_t instance;
+} kerf_scene_point;
+
+/* One scene, which belongs to the caller and is an owner of what stands in it. Of the options, `threads`
+ * counts. On failure *scene is null. */
+KERF_C_API kerf_status kerf_build_scene(const kerf_instance* instances, size_t instance_count,
+                                        const kerf_build_options* options, kerf_scene** scene);
+
+/* One owner more, and one less; the last one frees the scene. Null is allowed. */
+KERF_C_API kerf_scene* kerf_scene_retain(const kerf_scene* scene);
+KERF_C_API void kerf_scene_release(const kerf_scene* scene);
+
+/* How many instances there are, those of scenes at places counted at each: hits number them 0 to this. */
+KERF_C_API uint32_t kerf_scene_instance_count(const kerf_scene* scene);
+/* Which instance a number stands for: its place among those given to the build, then that in the scene there,
+ * down to an object. The first `capacity` numbers are written; *count becomes that of all. */
+KERF_C_API kerf_status kerf_scene_path(const kerf_scene* scene, uint32_t instance, uint32_t* path,
+                                       size_t capacity, size_t* count);
+/* One of the instances as it was given to the build. Its handles are the scene's: valid as long as it is. */
+KERF_C_API kerf_status kerf_scene_get_instance(const kerf_scene* scene, size_t place,
+                                               kerf_instance* instance);
+KERF_C_API kerf_box kerf_scene_bounds(const kerf_scene* scene);
+/* Of the scene itself, without its objects. */
+KERF_C_API size_t kerf_scene_bytes(const kerf_scene* scene);
+
+/* The closest hit. 1 if there is one, else 0; *hit is written in both cases. Neither this nor the next call
+ * can fail; no pointer may be null. */
+KERF_C_API int kerf_scene_intersect(const kerf_scene* scene, const kerf_ray* ray, kerf_scene_hit* hit);
+/* 1 if anything is hit, else 0. */
+KERF_C_API int kerf_scene_occluded(const kerf_scene* scene, const kerf_ray* ray);
+/* Of instances and meshes that share a bit with `mask`. */
+KERF_C_API kerf_status kerf_scene_intersect_masked(const kerf_scene* scene, const kerf_ray* ray,
+                                                   uint32_t mask, kerf_scene_hit* hit);
+KERF_C_API kerf_status kerf_scene_occluded_masked(const kerf_scene* scene, const kerf_ray* ray, uint32_t mask,
+                                                  int* occluded);
+
+/* Each triangle once for each instance, in the order of (t, instance, mesh, primitive). */
+KERF_C_API kerf_status kerf_scene_all_hits(const kerf_scene* scene, const kerf_ray* ray, kerf_scene_hit* hits,
+                                           size_t capacity, size_t* count);
+KERF_C_API kerf_status kerf_scene_count_hits(const kerf_scene* scene, const kerf_ray* ray, size_t* count);
+/* 1 inside the closed surface that all triangles make, or on it, else 0. Where two overlap is outside. */
+KERF_C_API kerf_status kerf_scene_contains(const kerf_scene* scene, const float point[3], int* inside);
+KERF_C_API kerf_status kerf_scene_closest_point(const kerf_scene* scene, const float point[3],
+                                                float max_distance, kerf_scene_point* closest);
+KERF_C_API kerf_status kerf_scene_signed_distance(const kerf_scene* scene, const float point[3],
+                                                  float* distance);
+KERF_C_API kerf_status kerf_scene_within(const kerf_scene* scene, const float point[3], float radius,
+                                         kerf_scene_point* points, size_t capacity, size_t* count);
+
+/* Many: as the calls for hierarchies, in arrays of what one call answers with. */
+KERF_C_API kerf_status kerf_scene_intersect_many(const kerf_scene* scene, const kerf_rays* rays,
+                                                 kerf_scene_hit* hits, const kerf_batch_options* options);
+KERF_C_API kerf_status kerf_scene_occluded_many(const kerf_scene* scene, const kerf_rays* rays,
+                                                uint8_t* occluded, const kerf_batch_options* options);
+KERF_C_API kerf_status kerf_scene_count_hits_many(const kerf_scene* scene, const kerf_rays* rays,
+                                                  uint32_t* counts, const kerf_batch_options* options);
+/* The next and the last have lists, as `kerf_within_many` has them. */
+KERF_C_API kerf_status kerf_scene_all_hits_many(const kerf_scene* scene, const kerf_rays* rays,
+                                                size_t* offsets, kerf_scene_hit* hits, size_t capacity,
+                                                const kerf_batch_options* options);
+KERF_C_API kerf_status kerf_scene_contains_many(const kerf_scene* scene, const kerf_points* points,
+                                                uint8_t* inside, const kerf_batch_options* options);
+KERF_C_API kerf_status kerf_scene_closest_point_many(const kerf_scene* scene, const kerf_points* points,
+                                                     float max_distance, kerf_scene_point* closest,
+                                                     const kerf_batch_options* options);
+KERF_C_API kerf_status kerf_scene_signed_distance_many(const kerf_scene* scene, const kerf_points* points,
+                                                       float* distances, const kerf_batch_options* options);
+KERF_C_API kerf_status kerf_scene_within_many(const kerf_scene* scene, const kerf_points* points,
+                                              float radius, size_t* offsets, kerf_scene_point* found,
+                                              size_t capacity, const kerf_batch_options* options);
 
 #ifdef __cplusplus
 }

@@ -41,8 +41,31 @@ inline kerf_mesh mesh(const std::vector<float>& vertices, const std::vector<std:
   return view;
 }
 
-/// A hierarchy, ready to trace. A handle: copies share one structure, which never changes, so that any number
-/// of threads may make any call at the same time. Calls throw `Error`.
+// What classes below have in common.
+namespace detail {
+
+inline kerf_batch_options on(std::uint32_t threads) {
+  kerf_batch_options options = KERF_BATCH_OPTIONS_INIT;
+  options.threads = threads;
+  return options;
+}
+
+// Asks for a few answers, and again where there are more.
+template <class T, class Call>
+std::vector<T> list(const Call& call) {
+  std::vector<T> answers(16);
+  std::size_t count = 0;
+  check(call(answers.data(), answers.size(), &count));
+  const bool all = count <= answers.size();
+  answers.resize(count);
+  if (!all) check(call(answers.data(), answers.size(), &count));
+  return answers;
+}
+
+}  // namespace detail
+
+/// A hierarchy, ready to trace. A handle: copies share one structure, which never changes but for `refit`, so
+/// that any number of threads may make any call at the same time. Calls throw `Error`.
 class Bvh {
  public:
   /// The hierarchy of nothing, which every ray misses.
@@ -83,6 +106,17 @@ class Bvh {
   void swap(Bvh& other) { std::swap(bvh_, other.bvh_); }
   const kerf_bvh* get() const { return bvh_; }  ///< for what is only in C
 
+  /// Moves the triangles to where `meshes` have them now: see `kerf_refit`. Copies of this handle stay as
+  /// they are. No other call of this one may run meanwhile.
+  kerf_refit_report refit(const std::vector<kerf_mesh>& meshes, const kerf_build_options* options = nullptr) {
+    kerf_refit_report report = KERF_REFIT_REPORT_INIT;
+    check(kerf_refit(&bvh_, meshes.data(), meshes.size(), options, &report));
+    return report;
+  }
+  kerf_refit_report refit(const kerf_mesh& mesh, const kerf_build_options* options = nullptr) {
+    return refit(std::vector<kerf_mesh>(1, mesh), options);
+  }
+
   void save(const std::string& path) const { check(kerf_save(bvh_, path.c_str())); }
   kerf_box bounds() const { return kerf_bounds(bvh_); }
   kerf_statistics statistics() const {
@@ -96,7 +130,7 @@ class Bvh {
   bool occluded(const kerf_ray& ray) const { return kerf_occluded(bvh_, &ray) != 0; }
 
   std::vector<kerf_hit> all_hits(const kerf_ray& ray) const {
-    return list<kerf_hit>([&](kerf_hit* hits, std::size_t capacity, std::size_t* count) {
+    return detail::list<kerf_hit>([&](kerf_hit* hits, std::size_t capacity, std::size_t* count) {
       return kerf_all_hits(bvh_, &ray, hits, capacity, count);
     });
   }
@@ -130,25 +164,29 @@ class Bvh {
   }
   std::vector<kerf_surface_point> nearest(const float (&point)[3], std::size_t wanted,
                                           float max_distance = std::numeric_limits<float>::infinity()) const {
-    return list<kerf_surface_point>([&](kerf_surface_point* to, std::size_t capacity, std::size_t* count) {
-      return kerf_nearest(bvh_, point, wanted, max_distance, to, capacity, count);
-    });
+    return detail::list<kerf_surface_point>(
+        [&](kerf_surface_point* to, std::size_t capacity, std::size_t* count) {
+          return kerf_nearest(bvh_, point, wanted, max_distance, to, capacity, count);
+        });
   }
   std::vector<kerf_surface_point> within(const float (&point)[3], float radius) const {
-    return list<kerf_surface_point>([&](kerf_surface_point* to, std::size_t capacity, std::size_t* count) {
-      return kerf_within(bvh_, point, radius, to, capacity, count);
-    });
+    return detail::list<kerf_surface_point>(
+        [&](kerf_surface_point* to, std::size_t capacity, std::size_t* count) {
+          return kerf_within(bvh_, point, radius, to, capacity, count);
+        });
   }
   std::vector<kerf_primitive_id> triangles_in(const kerf_box& box) const {
-    return list<kerf_primitive_id>([&](kerf_primitive_id* to, std::size_t capacity, std::size_t* count) {
-      return kerf_triangles_in(bvh_, &box, to, capacity, count);
-    });
+    return detail::list<kerf_primitive_id>(
+        [&](kerf_primitive_id* to, std::size_t capacity, std::size_t* count) {
+          return kerf_triangles_in(bvh_, &box, to, capacity, count);
+        });
   }
   std::vector<kerf_touching_pair> touching_pairs(const Bvh& other,
                                                  const kerf_transform* transform = nullptr) const {
-    return list<kerf_touching_pair>([&](kerf_touching_pair* to, std::size_t capacity, std::size_t* count) {
-      return kerf_touching_pairs(bvh_, other.bvh_, transform, to, capacity, count);
-    });
+    return detail::list<kerf_touching_pair>(
+        [&](kerf_touching_pair* to, std::size_t capacity, std::size_t* count) {
+          return kerf_touching_pairs(bvh_, other.bvh_, transform, to, capacity, count);
+        });
   }
 
   /// Many rays on `threads` threads, 0 for all cores.
@@ -156,37 +194,131 @@ class Bvh {
     std::vector<kerf_hit> hits(rays.size());
     const kerf_rays from = kerf_rays_of(rays.data(), rays.size());
     const kerf_hits to = kerf_hits_of(hits.data(), hits.size());
-    const kerf_batch_options options = on(threads);
+    const kerf_batch_options options = detail::on(threads);
     check(kerf_intersect_many(bvh_, &from, &to, &options));
     return hits;
   }
   std::vector<std::uint8_t> occluded(const std::vector<kerf_ray>& rays, std::uint32_t threads = 0) const {
     std::vector<std::uint8_t> flags(rays.size());
     const kerf_rays from = kerf_rays_of(rays.data(), rays.size());
-    const kerf_batch_options options = on(threads);
+    const kerf_batch_options options = detail::on(threads);
     check(kerf_occluded_many(bvh_, &from, flags.data(), &options));
     return flags;
   }
 
  private:
-  static kerf_batch_options on(std::uint32_t threads) {
-    kerf_batch_options options = KERF_BATCH_OPTIONS_INIT;
-    options.threads = threads;
-    return options;
-  }
-  // Asks for a few answers, and again where there are more.
-  template <class T, class Call>
-  static std::vector<T> list(const Call& call) {
-    std::vector<T> answers(16);
-    std::size_t count = 0;
-    check(call(answers.data(), answers.size(), &count));
-    const bool all = count <= answers.size();
-    answers.resize(count);
-    if (!all) check(call(answers.data(), answers.size(), &count));
-    return answers;
-  }
-
   kerf_bvh* bvh_ = nullptr;
 };
+
+class Scene;
+
+/// An object, or a scene, at a place; an unmoved one if no transform is given. The scene that is built of it
+/// keeps what it needs; until then the handle must live.
+kerf_instance instance(const Bvh& object, const kerf_transform* transform = nullptr);
+kerf_instance instance(const Scene& scene, const kerf_transform* transform = nullptr);
+
+/// A hierarchy over instances. A handle as `Bvh` is.
+class Scene {
+ public:
+  /// The scene of nothing, which every ray misses.
+  Scene() : Scene(std::vector<kerf_instance>()) {}
+  /// A scene of instances, as `instance` makes them.
+  explicit Scene(const std::vector<kerf_instance>& instances, const kerf_build_options* options = nullptr) {
+    check(kerf_build_scene(instances.data(), instances.size(), options, &scene_));
+  }
+  /// Takes a handle over.
+  explicit Scene(kerf_scene* owned) : scene_(owned) {}
+
+  Scene(const Scene& other) : scene_(kerf_scene_retain(other.scene_)) {}
+  Scene(Scene&& other) : Scene() { swap(other); }
+  Scene& operator=(Scene other) {
+    swap(other);
+    return *this;
+  }
+  ~Scene() { kerf_scene_release(scene_); }
+  void swap(Scene& other) { std::swap(scene_, other.scene_); }
+  const kerf_scene* get() const { return scene_; }  ///< for what is only in C
+
+  kerf_box bounds() const { return kerf_scene_bounds(scene_); }
+  std::size_t bytes() const { return kerf_scene_bytes(scene_); }
+  std::uint32_t instance_count() const { return kerf_scene_instance_count(scene_); }
+  std::vector<std::uint32_t> path(std::uint32_t instance) const {
+    return detail::list<std::uint32_t>([&](std::uint32_t* to, std::size_t capacity, std::size_t* count) {
+      return kerf_scene_path(scene_, instance, to, capacity, count);
+    });
+  }
+
+  /// True if there is a hit; `hit` is written in both cases.
+  bool intersect(const kerf_ray& ray, kerf_scene_hit& hit) const {
+    return kerf_scene_intersect(scene_, &ray, &hit) != 0;
+  }
+  bool occluded(const kerf_ray& ray) const { return kerf_scene_occluded(scene_, &ray) != 0; }
+  std::vector<kerf_scene_hit> all_hits(const kerf_ray& ray) const {
+    return detail::list<kerf_scene_hit>([&](kerf_scene_hit* to, std::size_t capacity, std::size_t* count) {
+      return kerf_scene_all_hits(scene_, &ray, to, capacity, count);
+    });
+  }
+  std::size_t count_hits(const kerf_ray& ray) const {
+    std::size_t count;
+    check(kerf_scene_count_hits(scene_, &ray, &count));
+    return count;
+  }
+
+  bool contains(const float (&point)[3]) const {
+    int inside;
+    check(kerf_scene_contains(scene_, point, &inside));
+    return inside != 0;
+  }
+  /// Its `primitive` is KERF_INVALID_ID where there is none.
+  kerf_scene_point closest_point(const float (&point)[3],
+                                 float max_distance = std::numeric_limits<float>::infinity()) const {
+    kerf_scene_point closest;
+    check(kerf_scene_closest_point(scene_, point, max_distance, &closest));
+    return closest;
+  }
+  float signed_distance(const float (&point)[3]) const {
+    float distance;
+    check(kerf_scene_signed_distance(scene_, point, &distance));
+    return distance;
+  }
+  std::vector<kerf_scene_point> within(const float (&point)[3], float radius) const {
+    return detail::list<kerf_scene_point>(
+        [&](kerf_scene_point* to, std::size_t capacity, std::size_t* count) {
+          return kerf_scene_within(scene_, point, radius, to, capacity, count);
+        });
+  }
+
+  /// Many rays on `threads` threads, 0 for all cores.
+  std::vector<kerf_scene_hit> intersect(const std::vector<kerf_ray>& rays, std::uint32_t threads = 0) const {
+    std::vector<kerf_scene_hit> hits(rays.size());
+    const kerf_rays from = kerf_rays_of(rays.data(), rays.size());
+    const kerf_batch_options options = detail::on(threads);
+    check(kerf_scene_intersect_many(scene_, &from, hits.data(), &options));
+    return hits;
+  }
+  std::vector<std::uint8_t> occluded(const std::vector<kerf_ray>& rays, std::uint32_t threads = 0) const {
+    std::vector<std::uint8_t> flags(rays.size());
+    const kerf_rays from = kerf_rays_of(rays.data(), rays.size());
+    const kerf_batch_options options = detail::on(threads);
+    check(kerf_scene_occluded_many(scene_, &from, flags.data(), &options));
+    return flags;
+  }
+
+ private:
+  kerf_scene* scene_ = nullptr;
+};
+
+inline kerf_instance instance(const Bvh& object, const kerf_transform* transform) {
+  kerf_instance placed = KERF_INSTANCE_INIT;
+  placed.object = object.get();
+  if (transform != nullptr) placed.transform = *transform;
+  return placed;
+}
+inline kerf_instance instance(const Scene& scene, const kerf_transform* transform) {
+  kerf_instance placed = KERF_INSTANCE_INIT;
+  placed.scene = scene.get();
+  if (transform != nullptr) placed.transform = *transform;
+  return placed;
+}
 
 }  // namespace kerf11

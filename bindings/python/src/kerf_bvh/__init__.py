@@ -4,8 +4,9 @@
     hits = bvh.intersect(origins, directions)
 """
 
-from ._bvh import ALL, BuildOptions, Bvh, build_memory_bound, measure
+from ._bvh import BuildOptions, Bvh, build_memory_bound, measure
 from ._kerf import Cancelled
+from ._questions import ALL
 from ._results import (
     INVALID,
     Geometry,
@@ -14,11 +15,15 @@ from ._results import (
     Measures,
     MeshStatistics,
     Primitives,
+    RefitReport,
+    SceneHits,
+    ScenePoints,
     Side,
     Statistics,
     SurfacePoints,
     TouchingPairs,
 )
+from ._scene import Scene
 
 __version__ = "0.1.0"
 
@@ -34,6 +39,10 @@ __all__ = [
     "Measures",
     "MeshStatistics",
     "Primitives",
+    "RefitReport",
+    "Scene",
+    "SceneHits",
+    "ScenePoints",
     "Side",
     "Statistics",
     "SurfacePoints",

@@ -28,6 +28,7 @@ from ._arrays import (
     triples_of,
     vertices_of,
 )
+from ._questions import ALL, Rays, affine_of, check_threads, mask_of, rays_of
 from ._results import (
     HIT,
     PRIMITIVE,
@@ -38,6 +39,7 @@ from ._results import (
     Measures,
     MeshStatistics,
     Primitives,
+    RefitReport,
     Statistics,
     SurfacePoints,
     TouchingPairs,
@@ -45,9 +47,6 @@ from ._results import (
     offsets_of,
     primitives_of,
 )
-
-ALL = 0xFFFFFFFF
-"""The mask of what every ray sees, and of a ray that sees everything but meshes without a bit."""
 
 Mesh = tuple[ArrayLike, ArrayLike] | ArrayLike
 """Vertices and faces; or the corners of triangles, of shape (t, 3, 3)."""
@@ -74,16 +73,20 @@ class BuildOptions(TypedDict, total=False):
     """Called now and then by the calling thread with a fraction in [0, 1]; False cancels the build."""
 
 
-def _check_threads(threads: int) -> int:
-    if not 0 <= threads < 1 << 31:
-        raise ValueError(f"threads: {threads}, where a number from 0 is needed, 0 for all")
-    return threads
+def _meshes(meshes: Sequence[Mesh], names: Sequence[str]) -> tuple[list[npt.NDArray[Any]], list[npt.NDArray[Any]]]:
+    """Vertices and faces of each mesh, in one precision for all."""
+    vertices, faces = [], []
+    for mesh, name in zip(meshes, names):
+        given, numbers = mesh if isinstance(mesh, tuple) else (mesh, None)
+        vertices.append(vertices_of(given, f"{name}vertices"))
+        is_soup = np.ndim(given) == 3
+        faces.append(faces_of(numbers, f"{name}faces", vertices[-1], is_soup))
+    if any(array.dtype == np.float64 for array in vertices):
+        vertices = [array.astype(np.float64, copy=False) for array in vertices]
+    return vertices, faces
 
 
-def _build(
-    meshes: Sequence[Mesh],
-    masks: Sequence[int] | None,
-    names: Sequence[str],
+def _options(
     *,
     builder: str = "sbvh",
     alpha: float = 1e-5,
@@ -93,15 +96,30 @@ def _build(
     skip_non_finite: bool = False,
     threads: int = 0,
     progress: Callable[[float], object] | None = None,
+) -> tuple[str, float, float, int, int, bool, int, Callable[[float], object] | None]:
+    """The options as the extension takes them."""
+    for name_of, value in (("max_leaf_size", max_leaf_size), ("presplit_references", presplit_references)):
+        if not 0 <= value < 1 << 31:
+            raise ValueError(f"{name_of}: {value} is out of range")
+    return (
+        builder,
+        alpha,
+        max_reference_ratio,
+        max_leaf_size,
+        check_threads(threads),
+        skip_non_finite,
+        presplit_references,
+        progress,
+    )
+
+
+def _build(
+    meshes: Sequence[Mesh],
+    masks: Sequence[int] | None,
+    names: Sequence[str],
+    **options: Unpack[BuildOptions],
 ) -> _kerf.Bvh:
-    vertices, faces = [], []
-    for mesh, name in zip(meshes, names):
-        given, numbers = mesh if isinstance(mesh, tuple) else (mesh, None)
-        vertices.append(vertices_of(given, f"{name}vertices"))
-        is_soup = np.ndim(given) == 3
-        faces.append(faces_of(numbers, f"{name}faces", vertices[-1], is_soup))
-    if any(array.dtype == np.float64 for array in vertices):  # one precision for all
-        vertices = [array.astype(np.float64, copy=False) for array in vertices]
+    vertices, faces = _meshes(meshes, names)
     if masks is None:
         masks = [ALL] * len(vertices)
     if len(masks) != len(vertices):
@@ -109,29 +127,15 @@ def _build(
     for mask in masks:
         if not 0 <= mask <= ALL:
             raise ValueError(f"masks: {mask}, where a set of 32 bits is needed, from 0 to {ALL}")
-    for name_of, value, least in (("max_leaf_size", max_leaf_size, 0), ("presplit_references", presplit_references, 0)):
-        if not least <= value < 1 << 31:
-            raise ValueError(f"{name_of}: {value} is out of range")
-    return _kerf.build(
-        vertices,
-        faces,
-        [int(mask) for mask in masks],
-        builder,
-        alpha,
-        max_reference_ratio,
-        max_leaf_size,
-        _check_threads(threads),
-        skip_non_finite,
-        presplit_references,
-        progress,
-    )
+    return _kerf.build(vertices, faces, [int(mask) for mask in masks], *_options(**options))
 
 
 class Bvh:
     """A split bounding volume hierarchy over triangle meshes, ready to trace.
 
-    It never changes: any number of threads may make any call at the same time. Every call releases Python's
-    lock and runs on all cores, or on as many threads as `threads=` says; the answers are the same for any number.
+    It never changes but by `refit`: any number of threads may make any call at the same time. Every call releases
+    Python's lock and runs on all cores, or on as many threads as `threads=` says; the answers are the same for any
+    number.
 
     All calls take rays, points and boxes in the coordinates of the meshes. Arrays may be of any real type, of any
     strides, read-only, and come from NumPy, from lists, or through DLPack (host memory). float32 is used where it
@@ -195,6 +199,40 @@ class Bvh:
         names = [f"mesh {i}: " for i in range(len(meshes))]
         return cls._of(_build(meshes, masks, names, **options))
 
+    # Corners that have moved
+
+    def refit(
+        self, vertices: ArrayLike, faces: ArrayLike | None = None, **options: Unpack[BuildOptions]
+    ) -> RefitReport:
+        """Moves the triangles to where they are now, in a fraction of the time of a build.
+
+        vertices, faces: of as many triangles as were built, as the constructor takes them, faces included. The
+            frame is the one of the build: what float64 vertices are rounded to are their distances from `origin`.
+        options: see `BuildOptions`; used where the hierarchy has to be built anew, because a triangle has an area
+            now that the hierarchy does not hold. Else only `threads` and `skip_non_finite` count.
+
+        Every answer is that of a new build; masks stay. What is lost is speed, see `RefitReport.cost_ratio`. Calls
+        of other threads answer for all corners as they were before, or for all as they are after. In place unless
+        such a call, a scene or a mapped file shares the hierarchy, which is then copied.
+
+        Raises as the constructor does, and ValueError for another number of triangles; the hierarchy is then what
+        it was. After a MemoryError in the middle it may be one of nothing.
+        """
+        return self._refit([vertices if faces is None else (vertices, faces)], [""], options)
+
+    def refit_meshes(self, meshes: Sequence[Mesh], **options: Unpack[BuildOptions]) -> RefitReport:
+        """The same for as many meshes as were built, as `from_meshes` takes them."""
+        return self._refit(meshes, [f"mesh {i}: " for i in range(len(meshes))], options)
+
+    def _refit(self, meshes: Sequence[Mesh], names: Sequence[str], options: BuildOptions) -> RefitReport:
+        vertices, faces = _meshes(meshes, names)
+        local = [rows_of(self._local(array)) for array in vertices]
+        narrow = [
+            numbers if numbers.dtype.itemsize == 4 else faces_of(numbers, f"{name}faces", corners, False)
+            for numbers, name, corners in zip(faces, names, local)
+        ]
+        return RefitReport(*_kerf.refit(self._bvh, local, narrow, *_options(**options)))
+
     # Rays
 
     def intersect(
@@ -230,7 +268,7 @@ class Bvh:
         _kerf.intersect(
             self._bvh,
             *rays,
-            _mask(mask, shape),
+            mask_of(mask, shape),
             accepted,
             firsts,
             t,
@@ -238,7 +276,7 @@ class Bvh:
             v,
             primitive,
             number,
-            _check_threads(threads),
+            check_threads(threads),
         )
         return hits
 
@@ -258,7 +296,7 @@ class Bvh:
         accepted, firsts = self._accepted(accept)
         answers = np.empty(shape, np.bool_)
         flags = answers.reshape(-1).view(np.uint8)
-        _kerf.occluded(self._bvh, *rays, _mask(mask, shape), accepted, firsts, flags, _check_threads(threads))
+        _kerf.occluded(self._bvh, *rays, mask_of(mask, shape), accepted, firsts, flags, check_threads(threads))
         return answers
 
     def count_hits(
@@ -273,7 +311,7 @@ class Bvh:
         """How many triangles each ray crosses in [t_min, t_max]: uint32 (...). As `all_hits`, in half the time."""
         rays, shape = self._rays(origins, directions, t_min, t_max)
         counts = np.empty(shape, np.uint32)
-        _kerf.count_hits(self._bvh, *rays, counts.reshape(-1), _check_threads(threads))
+        _kerf.count_hits(self._bvh, *rays, counts.reshape(-1), check_threads(threads))
         return counts
 
     def all_hits(
@@ -294,7 +332,7 @@ class Bvh:
         Returns `Lists` of `Hits`, one list a ray, in the order of the flattened rays.
         """
         rays, _ = self._rays(origins, directions, t_min, t_max)
-        offsets, items = _kerf.all_hits(self._bvh, *rays, _check_threads(threads))
+        offsets, items = _kerf.all_hits(self._bvh, *rays, check_threads(threads))
         return Lists(offsets_of(offsets), hits_of(items.view(HIT)))
 
     def geometry(self, origins: ArrayLike, directions: ArrayLike, hits: Hits) -> Geometry:
@@ -323,14 +361,14 @@ class Bvh:
         """
         local, shape = self._points(points, "points")
         inside = np.empty(shape, np.bool_)
-        _kerf.contains(self._bvh, local, inside.reshape(-1).view(np.uint8), _check_threads(threads))
+        _kerf.contains(self._bvh, local, inside.reshape(-1).view(np.uint8), check_threads(threads))
         return inside
 
     def side(self, points: ArrayLike, *, threads: int = 0) -> npt.NDArray[np.uint8]:
         """As `contains`, with the surface told from the inside: uint8 (...) of the values of `Side`."""
         local, shape = self._points(points, "points")
         sides = np.empty(shape, np.uint8)
-        _kerf.side(self._bvh, local, sides.reshape(-1), _check_threads(threads))
+        _kerf.side(self._bvh, local, sides.reshape(-1), check_threads(threads))
         return sides
 
     def signed_distance(self, points: ArrayLike, *, threads: int = 0) -> Float32:
@@ -341,7 +379,7 @@ class Bvh:
         """
         local, shape = self._points(points, "points")
         distances = np.empty(shape, np.float32)
-        _kerf.signed_distance(self._bvh, local, distances.reshape(-1), _check_threads(threads))
+        _kerf.signed_distance(self._bvh, local, distances.reshape(-1), check_threads(threads))
         return distances
 
     def closest_point(self, points: ArrayLike, max_distance: float = math.inf, *, threads: int = 0) -> SurfacePoints:
@@ -355,7 +393,7 @@ class Bvh:
         local, shape = self._points(points, "points")
         records = np.empty(shape, SURFACE_POINT)
         data = records.reshape(-1).view(np.uint8)
-        _kerf.closest_point(self._bvh, local, data, max_distance, _check_threads(threads))
+        _kerf.closest_point(self._bvh, local, data, max_distance, check_threads(threads))
         return self._surface_points(records, points)
 
     def nearest(
@@ -369,7 +407,7 @@ class Bvh:
         if count < 0:
             raise ValueError(f"count: {count}, where a number from 0 is needed")
         local, _ = self._points(points, "points")
-        offsets, items = _kerf.nearest(self._bvh, local, count, max_distance, _check_threads(threads))
+        offsets, items = _kerf.nearest(self._bvh, local, count, max_distance, check_threads(threads))
         return Lists(offsets_of(offsets), self._surface_points(items.view(SURFACE_POINT), points))
 
     def within(self, points: ArrayLike, radius: float, *, threads: int = 0) -> Lists[SurfacePoints]:
@@ -378,7 +416,7 @@ class Bvh:
         points: (..., 3). Each triangle once. Returns `Lists`, one list a point.
         """
         local, _ = self._points(points, "points")
-        offsets, items = _kerf.within(self._bvh, local, radius, _check_threads(threads))
+        offsets, items = _kerf.within(self._bvh, local, radius, check_threads(threads))
         return Lists(offsets_of(offsets), self._surface_points(items.view(SURFACE_POINT), points))
 
     # Boxes, other hierarchies, triangles by their numbers
@@ -393,7 +431,7 @@ class Bvh:
         if array.size != 0 and (array.ndim < 2 or array.shape[-2] != 2):
             raise ValueError(f"boxes: shape {array.shape}, where (..., 2, 3) is needed")
         corners = np.ascontiguousarray(self._local(array.reshape(-1, 3)))
-        offsets, items = _kerf.triangles_in(self._bvh, corners.reshape(-1), _check_threads(threads))
+        offsets, items = _kerf.triangles_in(self._bvh, corners.reshape(-1), check_threads(threads))
         return Lists(offsets_of(offsets), primitives_of(items.view(PRIMITIVE)))
 
     def touching_pairs(self, other: Bvh, transform: ArrayLike | None = None) -> TouchingPairs:
@@ -510,21 +548,8 @@ class Bvh:
 
     def _rays(
         self, origins: ArrayLike, directions: ArrayLike, t_min: ArrayLike, t_max: ArrayLike
-    ) -> tuple[tuple[Float32, Float32, Float32 | None, Float32 | None], tuple[int, ...]]:
-        from_, along = triples_of(origins, "origins"), triples_of(directions, "directions")
-        try:
-            shape = np.broadcast_shapes(from_.shape[:-1], along.shape[:-1])
-        except ValueError:
-            raise ValueError(
-                f"origins and directions: shapes {from_.shape} and {along.shape}, which do not fit each other"
-            ) from None
-        local = self._local(from_.reshape(-1, 3)).reshape(from_.shape)
-        flat = [_flat(array, shape) for array in (local, rounded(along))]
-        limits = [
-            None if isinstance(value, float) and value == default else numbers_of(value, name, shape, np.float32)
-            for value, name, default in ((t_min, "t_min", 0.0), (t_max, "t_max", math.inf))
-        ]
-        return (flat[0], flat[1], limits[0], limits[1]), shape
+    ) -> tuple[Rays, tuple[int, ...]]:
+        return rays_of(origins, directions, t_min, t_max, self._local)
 
     def _accepted(
         self, accept: ArrayLike | Sequence[ArrayLike] | None
@@ -564,25 +589,11 @@ class Bvh:
         return array + self._origin if (array[0] <= array[1]).all() else None
 
     def _transform(self, other: Bvh, transform: ArrayLike | None) -> list[float]:
-        matrix = np.eye(4) if transform is None else array_of(transform, "transform").astype(np.float64)
-        if matrix.shape not in ((3, 4), (4, 4)):
-            raise ValueError(f"transform: shape {matrix.shape}, where (3, 4) or (4, 4) is needed")
-        if matrix.shape == (4, 4) and not np.array_equal(matrix[3], [0, 0, 0, 1]):
-            raise ValueError(f"transform: its last row is {matrix[3].tolist()}, where an affine map has [0, 0, 0, 1]")
-        rows = matrix[:3].copy()
+        rows = affine_of(np.eye(4) if transform is None else transform, "transform")
+        if rows.ndim != 2:
+            raise ValueError(f"transform: {len(rows)} maps, where one is needed")
         rows[:, 3] += rows[:, :3] @ other._origin - self._origin
         return [float(number) for number in rows.reshape(-1)]
-
-
-def _flat(array: Float32, shape: tuple[int, ...]) -> Float32:
-    """An array (..., 3) as (n, 3): without a copy where that can be, a single row with a stride of 0."""
-    if array.ndim == 1:
-        return np.broadcast_to(array, (math.prod(shape), 3))
-    return np.broadcast_to(array, (*shape, 3)).reshape(-1, 3)
-
-
-def _mask(mask: ArrayLike | None, shape: tuple[int, ...]) -> UInt32 | None:
-    return None if mask is None else numbers_of(mask, "mask", shape, np.uint32)
 
 
 def _checked_hits(out: Hits, shape: tuple[int, ...]) -> Hits:
@@ -634,6 +645,6 @@ def measure(
     narrow = numbers if numbers.dtype.itemsize == 4 else faces_of(numbers, "faces", rounded(corners), False)
     return Measures(
         *_kerf.measure(
-            [rounded(corners)], [narrow], builder, alpha, max_reference_ratio, max_leaf_size, _check_threads(threads)
+            [rounded(corners)], [narrow], builder, alpha, max_reference_ratio, max_leaf_size, check_threads(threads)
         )
     )

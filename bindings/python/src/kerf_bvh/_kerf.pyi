@@ -36,6 +36,19 @@ def build(
     presplit_references: int,
     progress: Callable[[float], object] | None,
 ) -> Bvh: ...
+def refit(
+    bvh: Bvh,
+    vertices: Sequence[npt.NDArray[Any]],
+    faces: Sequence[npt.NDArray[Any]],
+    builder: str,
+    alpha: float,
+    max_reference_ratio: float,
+    max_leaf_size: int,
+    threads: int,
+    skip_non_finite: bool,
+    presplit_references: int,
+    progress: Callable[[float], object] | None,
+) -> tuple[float, bool]: ...
 def measure(
     vertices: Sequence[npt.NDArray[Any]],
     faces: Sequence[npt.NDArray[Any]],
@@ -117,3 +130,54 @@ def triangles_in(bvh: Bvh, boxes: Float32, threads: int) -> tuple[UInt8, UInt8]:
 def touching_pairs(bvh: Bvh, other: Bvh, transform: Sequence[float]) -> UInt8: ...
 def touches(bvh: Bvh, other: Bvh, transform: Sequence[float]) -> bool: ...
 def triangles(bvh: Bvh, primitive: UInt32, mesh: UInt32, corners: Float32) -> None: ...
+
+class Scene:
+    def instance_count(self) -> int: ...
+    def path(self, instance: int) -> tuple[int, ...]: ...
+    def bounds(self) -> tuple[Triple, Triple]: ...
+    def bytes(self) -> int: ...
+
+def build_scene(
+    objects: Sequence[Bvh | Scene],
+    which: UInt32,
+    transforms: npt.NDArray[np.float64],
+    masks: UInt32,
+    numbers: UInt32,
+    threads: int,
+) -> Scene: ...
+def scene_intersect(
+    scene: Scene,
+    origins: Float32,
+    directions: Float32,
+    t_min: Float32 | None,
+    t_max: Float32 | None,
+    mask: UInt32 | None,
+    hits: UInt8,
+    threads: int,
+) -> None: ...
+def scene_occluded(
+    scene: Scene,
+    origins: Float32,
+    directions: Float32,
+    t_min: Float32 | None,
+    t_max: Float32 | None,
+    mask: UInt32 | None,
+    answers: UInt8,
+    threads: int,
+) -> None: ...
+def scene_count_hits(
+    scene: Scene,
+    origins: Float32,
+    directions: Float32,
+    t_min: Float32 | None,
+    t_max: Float32 | None,
+    counts: UInt32,
+    threads: int,
+) -> None: ...
+def scene_all_hits(
+    scene: Scene, origins: Float32, directions: Float32, t_min: Float32 | None, t_max: Float32 | None, threads: int
+) -> tuple[UInt8, UInt8]: ...
+def scene_contains(scene: Scene, points: Float32, inside: UInt8, threads: int) -> None: ...
+def scene_signed_distance(scene: Scene, points: Float32, distances: Float32, threads: int) -> None: ...
+def scene_closest_point(scene: Scene, points: Float32, closest: UInt8, max_distance: float, threads: int) -> None: ...
+def scene_within(scene: Scene, points: Float32, radius: float, threads: int) -> tuple[UInt8, UInt8]: ...

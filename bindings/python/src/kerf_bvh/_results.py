@@ -19,6 +19,11 @@ HIT = np.dtype([("t", "f4"), ("u", "f4"), ("v", "f4"), ("primitive", "u4"), ("me
 SURFACE_POINT = np.dtype(
     [("position", "f4", (3,)), ("distance", "f4"), ("u", "f4"), ("v", "f4"), ("primitive", "u4"), ("mesh", "u4")]
 )
+SCENE_HIT = np.dtype([*HIT.descr, ("instance", "u4")])
+SCENE_POINT = np.dtype(
+    [("position", "f4", (3,)), ("distance", "f4"), ("u", "f4"), ("v", "f4"), ("primitive", "u4"), ("mesh", "u4"),
+     ("instance", "u4")]
+)  # fmt: skip
 PRIMITIVE = np.dtype([("primitive", "u4"), ("mesh", "u4")])
 
 
@@ -99,6 +104,54 @@ class SurfacePoints(Columns):
 
 
 @dataclass(frozen=True, eq=False)
+class SceneHits(Columns):
+    """As `Hits`, and the instances that are hit."""
+
+    t: Float32
+    """float32: distance in lengths of the direction; infinity for a miss."""
+    u: Float32
+    """float32: weight of v1; 0 for a miss."""
+    v: Float32
+    """float32: weight of v2; 0 for a miss."""
+    primitive: UInt32
+    """uint32: number of the triangle within its mesh; INVALID for a miss."""
+    mesh: UInt32
+    """uint32: number of the mesh within the object; INVALID for a miss."""
+    instance: UInt32
+    """uint32: number of the instance, see `Scene.path`; INVALID for a miss."""
+
+    @property
+    def hit(self) -> Bool:
+        """bool: True for a hit, False for a miss."""
+        return np.asarray(self.instance != INVALID)
+
+
+@dataclass(frozen=True, eq=False)
+class ScenePoints(Columns):
+    """As `SurfacePoints`, in the coordinates of the scene, and the instances that the triangles are of."""
+
+    position: npt.NDArray[Any]
+    """(..., 3), of the type of the points that were given: the point itself."""
+    distance: Float32
+    """float32: from the given point; infinity where there is none."""
+    u: Float32
+    """float32: weight of v1."""
+    v: Float32
+    """float32: weight of v2."""
+    primitive: UInt32
+    """uint32: number of the triangle within its mesh; INVALID where there is none."""
+    mesh: UInt32
+    """uint32: number of the mesh within the object; INVALID where there is none."""
+    instance: UInt32
+    """uint32: number of the instance, see `Scene.path`; INVALID where there is none."""
+
+    @property
+    def found(self) -> Bool:
+        """bool: True for a point, False where there is none."""
+        return np.asarray(self.instance != INVALID)
+
+
+@dataclass(frozen=True, eq=False)
 class Primitives(Columns):
     """Triangles by their place in the meshes."""
 
@@ -156,6 +209,16 @@ class Geometry(Columns):
     """float32 (..., 3): of unit length, to the side from which the corners run counter-clockwise."""
     front: Bool
     """bool: whether the ray comes from that side."""
+
+
+@dataclass(frozen=True)
+class RefitReport:
+    """What a refit has made of a hierarchy."""
+
+    cost_ratio: float
+    """What a random ray is expected to cost, over what it cost when built. Above 1.2 a new build is worth a thought."""
+    rebuilt: bool
+    """Whether the hierarchy was built anew, because a triangle that it does not hold has an area now."""
 
 
 @dataclass(frozen=True)
@@ -218,6 +281,10 @@ class Measures:
 
 def hits_of(records: npt.NDArray[Any]) -> Hits:
     return Hits(*(records[name] for name in ("t", "u", "v", "primitive", "mesh")))
+
+
+def scene_hits_of(records: npt.NDArray[Any]) -> SceneHits:
+    return SceneHits(*(records[name] for name in ("t", "u", "v", "primitive", "mesh", "instance")))
 
 
 def primitives_of(records: npt.NDArray[Any]) -> Primitives:

@@ -1,0 +1,132 @@
+// Scenes of instances, and what is asked of them.
+#include <cstring>
+#include <vector>
+
+#include <kerf/scene.hpp>
+#include <nanobind/stl/vector.h>
+
+#include "arrays.hpp"
+#include "rays.hpp"
+
+namespace kerf::python {
+namespace {
+
+/// Instance i is `objects[which[i]]`, a hierarchy or a scene, under twelve numbers of `transforms`.
+Scene* build_scene(const nb::list& objects, const Answers<const std::uint32_t>& which,
+                   const Answers<const double>& transforms, const Answers<const std::uint32_t>& masks,
+                   const Answers<const std::uint32_t>& numbers, unsigned threads) {
+  std::vector<Instance> kinds(nb::len(objects));
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const nb::handle object = objects[i];
+    if (nb::isinstance<Scene>(object)) {
+      kinds[i].scene = nb::cast<const Scene&>(object);
+    } else {
+      kinds[i].object = nb::cast<const Hierarchy&>(object).now();
+    }
+  }
+  return new Scene(unlocked([&] {
+    std::vector<Instance> instances(which.size());
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+      instances[i] = kinds[which.data()[i]];
+      std::memcpy(instances[i].transform.rows, transforms.data() + 12 * i,
+                  sizeof(instances[i].transform.rows));
+      instances[i].mask = {masks.data()[i]};
+      instances[i].number = numbers.data()[i];
+    }
+    return kerf::build(std::span<const Instance>(instances), {.threads = threads});
+  }));
+}
+
+using Limits = std::optional<Numbers<float>>;
+
+void intersect(const Scene& scene, const Triples& origins, const Triples& directions, const Limits& t_min,
+               const Limits& t_max, const std::optional<Numbers<std::uint32_t>>& mask, const Bytes& hits,
+               unsigned threads) {
+  const Rays rays(origins, directions, t_min, t_max, mask);
+  in_slices(rays.view.count, [&](std::size_t first, std::size_t count) {
+    scene.intersect(rays.slice(first, count), records<SceneHit>(hits).subspan(first, count),
+                    {.threads = threads});
+  });
+}
+
+void occluded(const Scene& scene, const Triples& origins, const Triples& directions, const Limits& t_min,
+              const Limits& t_max, const std::optional<Numbers<std::uint32_t>>& mask, const Bytes& answers,
+              unsigned threads) {
+  const Rays rays(origins, directions, t_min, t_max, mask);
+  in_slices(rays.view.count, [&](std::size_t first, std::size_t count) {
+    scene.occluded(rays.slice(first, count), FlagView(answers.data() + first, count), {.threads = threads});
+  });
+}
+
+void count_hits(const Scene& scene, const Triples& origins, const Triples& directions, const Limits& t_min,
+                const Limits& t_max, const Answers<std::uint32_t>& counts, unsigned threads) {
+  const Rays rays(origins, directions, t_min, t_max, {});
+  in_slices(rays.view.count, [&](std::size_t first, std::size_t count) {
+    scene.count_hits(rays.slice(first, count), {counts.data() + first, count}, {.threads = threads});
+  });
+}
+
+nb::tuple all_hits(const Scene& scene, const Triples& origins, const Triples& directions, const Limits& t_min,
+                   const Limits& t_max, unsigned threads) {
+  const Rays rays(origins, directions, t_min, t_max, {});
+  return to_tuple(list_in_slices<SceneHit>(rays.view.count, [&](std::size_t first, std::size_t count) {
+    return scene.all_hits(rays.slice(first, count), {.threads = threads});
+  }));
+}
+
+void contains(const Scene& scene, const Triples& points, const Bytes& inside, unsigned threads) {
+  in_slices(points.shape(0), [&](std::size_t first, std::size_t count) {
+    scene.contains(points_of(points, first, count), FlagView(inside.data() + first, count),
+                   {.threads = threads});
+  });
+}
+
+void signed_distance(const Scene& scene, const Triples& points, const Answers<float>& distances,
+                     unsigned threads) {
+  in_slices(points.shape(0), [&](std::size_t first, std::size_t count) {
+    scene.signed_distance(points_of(points, first, count), {distances.data() + first, count},
+                          {.threads = threads});
+  });
+}
+
+void closest_point(const Scene& scene, const Triples& points, const Bytes& closest, float max_distance,
+                   unsigned threads) {
+  in_slices(points.shape(0), [&](std::size_t first, std::size_t count) {
+    scene.closest_point(points_of(points, first, count), records<ScenePoint>(closest).subspan(first, count),
+                        max_distance, {.threads = threads});
+  });
+}
+
+nb::tuple within(const Scene& scene, const Triples& points, float radius, unsigned threads) {
+  return to_tuple(list_in_slices<ScenePoint>(points.shape(0), [&](std::size_t first, std::size_t count) {
+    return scene.within(points_of(points, first, count), radius, {.threads = threads});
+  }));
+}
+
+nb::tuple bounds(const Scene& scene) {
+  const Box3f box = scene.bounds();
+  return nb::make_tuple(nb::make_tuple(box.lower.x, box.lower.y, box.lower.z),
+                        nb::make_tuple(box.upper.x, box.upper.y, box.upper.z));
+}
+
+}  // namespace
+
+void add_scene(nb::module_& module) {
+  nb::class_<Scene>(module, "Scene")
+      .def("instance_count", &Scene::instance_count)
+      .def("path", [](const Scene& scene,
+                      std::uint32_t instance) { return nb::tuple(nb::cast(scene.path(instance))); })
+      .def("bounds", &bounds)
+      .def("bytes", &Scene::bytes);
+  module.def("build_scene", &build_scene);
+  module.def("scene_intersect", &intersect);
+  module.def("scene_occluded", &occluded);
+  module.def("scene_count_hits", &count_hits);
+  module.def("scene_all_hits", &all_hits);
+  module.def("scene_contains", &contains);
+  module.def("scene_signed_distance", &signed_distance);
+  module.def("scene_closest_point", &closest_point);
+  module.def("scene_within", &within);
+}
+
+}  // namespace kerf::python

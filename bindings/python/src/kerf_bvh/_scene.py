@@ -1,0 +1,275 @@
+"""Scenes: many places for few hierarchies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _kerf
+from ._arrays import ArrayLike, Bool, Float32, Float64, UInt32, array_of, numbers_of, rounded, rows_of, triples_of
+from ._bvh import Bvh
+from ._questions import ALL, affine_of, check_threads, mask_of, rays_of
+from ._results import SCENE_HIT, SCENE_POINT, Lists, SceneHits, ScenePoints, offsets_of, scene_hits_of
+
+
+class Scene:
+    """A hierarchy over instances: objects, which are `Bvh`s or scenes, at places. Nothing of an object is copied.
+
+    It never changes: any number of threads may make any call at the same time. Every call releases Python's lock
+    and runs on all cores, or on as many threads as `threads=` says. Arrays, shapes and errors are those of `Bvh`.
+
+    A ray is taken to an object's space in double precision and rounded there to floats once, so that an instance
+    is as watertight as its object. Questions are in the coordinates of the scene, rounded to float32.
+    """
+
+    __slots__ = ("_scene", "_objects", "_which", "_transforms", "_masks", "_numbers")
+
+    def __init__(
+        self,
+        objects: Bvh | Scene | Sequence[Bvh | Scene] = (),
+        transforms: ArrayLike | None = None,
+        *,
+        which: ArrayLike | None = None,
+        masks: ArrayLike = ALL,
+        numbers: ArrayLike = 0,
+        threads: int = 0,
+    ) -> None:
+        """Builds the top level only, whatever the objects hold.
+
+        objects: one that stands at all places; or one for each; or, with `which`, those that there are.
+        transforms: (n, 3, 4) or (n, 4, 4), or one (3, 4) or (4, 4) for all: affine maps from the coordinates of the
+            objects' meshes to those of the scene, invertible, with scale and shear. None leaves objects where they are.
+        which: integers (n,): the place in `objects` of what stands at each instance.
+        masks: 32 bits for each, or one for all: rays that are traced with a `mask` see an instance if they share a
+            bit, and a mesh in it if they share one with that as well.
+        numbers: integers of 32 bits, the caller's own: `scene.numbers[hits.instance]`.
+
+        A `Bvh` that is refitted later stays in the scene as it was; a new scene takes it as it is then.
+        Raises ValueError (shapes, ranges, transforms that cannot be inverted), TypeError, MemoryError.
+        """
+        kinds = [objects] if isinstance(objects, (Bvh, Scene)) else list(objects)
+        for kind in kinds:
+            if not isinstance(kind, (Bvh, Scene)):
+                raise TypeError(f"objects: {type(kind).__name__}, where a Bvh or a Scene is needed")
+        rows = affine_of(np.eye(4) if transforms is None else transforms, "transforms")
+        places = None if which is None else array_of(which, "which")
+        if places is not None and places.ndim != 1:
+            raise ValueError(f"which: shape {places.shape}, where (n,) is needed")
+        if rows.ndim == 3:
+            count = len(rows)
+        elif places is not None:
+            count = len(places)
+        else:
+            count = len(kinds)
+        if places is None:
+            if len(kinds) not in (1, count):
+                raise ValueError(f"objects: {len(kinds)} of them for {count} transforms")
+            places = np.zeros(count, np.uint32) if len(kinds) == 1 else np.arange(count, dtype=np.uint32)
+        chosen = numbers_of(places, "which", (count,), np.uint32)
+        if count != 0 and int(chosen.max(initial=0)) >= len(kinds):
+            raise ValueError(f"which: {int(chosen.max())}, but there are only {len(kinds)} objects")
+
+        self._scene: _kerf.Scene
+        self._objects = tuple(kinds)
+        self._which: UInt32 = np.array(chosen)
+        self._transforms: Float64 = np.array(np.broadcast_to(rows, (count, 3, 4)), order="C")
+        self._masks: UInt32 = np.array(numbers_of(masks, "masks", (count,), np.uint32))
+        self._numbers: UInt32 = np.array(numbers_of(numbers, "numbers", (count,), np.uint32))
+        origins = np.array([kind.origin if isinstance(kind, Bvh) else np.zeros(3) for kind in kinds]).reshape(-1, 3)
+        local = self._transforms.copy()
+        if origins.any():  # what the library takes begins in the local frame of each object
+            local[:, :, 3] += np.einsum("nij,nj->ni", local[:, :, :3], origins[self._which])
+        inner = [kind._bvh if isinstance(kind, Bvh) else kind._scene for kind in kinds]
+        self._scene = _kerf.build_scene(
+            inner, self._which, local.reshape(-1), self._masks, self._numbers, check_threads(threads)
+        )
+        for array in (self._which, self._transforms, self._masks, self._numbers):
+            array.flags.writeable = False
+
+    def __reduce__(self) -> tuple[Callable[..., Scene], tuple[Any, ...]]:
+        return _scene_of, (self._objects, self._transforms, self._which, self._masks, self._numbers)
+
+    # Rays
+
+    def intersect(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: ArrayLike = 0.0,
+        t_max: ArrayLike = math.inf,
+        *,
+        mask: ArrayLike | None = None,
+        threads: int = 0,
+    ) -> SceneHits:
+        """The closest hit of each ray in [t_min, t_max]. Of several at the same t, the lowest instance, mesh, triangle.
+
+        Parameters as those of `Bvh.intersect`. Returns `SceneHits` of shape (...).
+        """
+        rays, shape = rays_of(origins, directions, t_min, t_max, rounded)
+        records = np.empty(shape, SCENE_HIT)
+        data = records.reshape(-1).view(np.uint8)
+        _kerf.scene_intersect(self._scene, *rays, mask_of(mask, shape), data, check_threads(threads))
+        return scene_hits_of(records)
+
+    def occluded(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: ArrayLike = 0.0,
+        t_max: ArrayLike = math.inf,
+        *,
+        mask: ArrayLike | None = None,
+        threads: int = 0,
+    ) -> Bool:
+        """Whether each ray hits anything in [t_min, t_max]: bool (...)."""
+        rays, shape = rays_of(origins, directions, t_min, t_max, rounded)
+        answers = np.empty(shape, np.bool_)
+        flags = answers.reshape(-1).view(np.uint8)
+        _kerf.scene_occluded(self._scene, *rays, mask_of(mask, shape), flags, check_threads(threads))
+        return answers
+
+    def count_hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: ArrayLike = 0.0,
+        t_max: ArrayLike = math.inf,
+        *,
+        threads: int = 0,
+    ) -> UInt32:
+        """How many triangles each ray crosses in [t_min, t_max], each once for each instance: uint32 (...)."""
+        rays, shape = rays_of(origins, directions, t_min, t_max, rounded)
+        counts = np.empty(shape, np.uint32)
+        _kerf.scene_count_hits(self._scene, *rays, counts.reshape(-1), check_threads(threads))
+        return counts
+
+    def all_hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: ArrayLike = 0.0,
+        t_max: ArrayLike = math.inf,
+        *,
+        threads: int = 0,
+    ) -> Lists[SceneHits]:
+        """Every triangle of every instance that each ray crosses in [t_min, t_max], as `Bvh.all_hits`.
+
+        In the order of (t, instance, mesh, primitive). Returns `Lists` of `SceneHits`, one list a ray.
+        """
+        rays, _ = rays_of(origins, directions, t_min, t_max, rounded)
+        offsets, items = _kerf.scene_all_hits(self._scene, *rays, check_threads(threads))
+        return Lists(offsets_of(offsets), scene_hits_of(items.view(SCENE_HIT)))
+
+    # Points
+
+    def contains(self, points: ArrayLike, *, threads: int = 0) -> Bool:
+        """Whether points lie inside the closed surface that all triangles make, or on it: bool (...).
+
+        By the parity of the crossings of one ray through all instances: in two that overlap is outside.
+        """
+        local, shape = _points(points)
+        inside = np.empty(shape, np.bool_)
+        _kerf.scene_contains(self._scene, local, inside.reshape(-1).view(np.uint8), check_threads(threads))
+        return inside
+
+    def signed_distance(self, points: ArrayLike, *, threads: int = 0) -> Float32:
+        """The distance to the closest point of a closed surface, negative inside (`contains`): float32 (...)."""
+        local, shape = _points(points)
+        distances = np.empty(shape, np.float32)
+        _kerf.scene_signed_distance(self._scene, local, distances.reshape(-1), check_threads(threads))
+        return distances
+
+    def closest_point(self, points: ArrayLike, max_distance: float = math.inf, *, threads: int = 0) -> ScenePoints:
+        """The closest point of any triangle within `max_distance` (included), for each point.
+
+        Distances are those in the scene, also under scale and shear. Of several at the same distance, the lowest
+        instance, mesh and triangle. Returns `ScenePoints` of shape (...).
+        """
+        local, shape = _points(points)
+        records = np.empty(shape, SCENE_POINT)
+        data = records.reshape(-1).view(np.uint8)
+        _kerf.scene_closest_point(self._scene, local, data, max_distance, check_threads(threads))
+        return _scene_points(records, points)
+
+    def within(self, points: ArrayLike, radius: float, *, threads: int = 0) -> Lists[ScenePoints]:
+        """The closest point of every triangle that has a point within `radius` (included), nearest first.
+
+        Each triangle of each instance once. Returns `Lists`, one list a point.
+        """
+        local, _ = _points(points)
+        offsets, items = _kerf.scene_within(self._scene, local, radius, check_threads(threads))
+        return Lists(offsets_of(offsets), _scene_points(items.view(SCENE_POINT), points))
+
+    # What it is
+
+    @property
+    def objects(self) -> tuple[Bvh | Scene, ...]:
+        """What stands in the scene, as it was given."""
+        return self._objects
+
+    @property
+    def which(self) -> UInt32:
+        """uint32 (n,): the place in `objects` of what stands at each instance."""
+        return self._which
+
+    @property
+    def transforms(self) -> Float64:
+        """float64 (n, 3, 4): from the coordinates of each object to those of the scene."""
+        return self._transforms
+
+    @property
+    def masks(self) -> UInt32:
+        """uint32 (n,): the bits that each instance shares with the rays that see it."""
+        return self._masks
+
+    @property
+    def numbers(self) -> UInt32:
+        """uint32 (n,): the caller's own."""
+        return self._numbers
+
+    @property
+    def instance_count(self) -> int:
+        """How many instances there are, those of scenes at places counted at each: hits number them 0 to this."""
+        return self._scene.instance_count()
+
+    def path(self, instance: int) -> tuple[int, ...]:
+        """Which instance the number in a hit or a point stands for: its place here, then that in the scene there.
+
+        One number where no scene stands in this one. Raises ValueError for one that is not below `instance_count`.
+        """
+        if not 0 <= instance <= ALL:
+            raise ValueError(f"instance: {instance}, where a number below {self.instance_count} is needed")
+        return self._scene.path(int(instance))
+
+    @property
+    def bounds(self) -> Float64 | None:
+        """float64 (2, 3): a box around all instances, not tight; None for a scene without triangles."""
+        box = np.array(self._scene.bounds())
+        return box if (box[0] <= box[1]).all() else None
+
+    @property
+    def bytes(self) -> int:
+        """Of the scene itself, without its objects."""
+        return self._scene.bytes()
+
+    def __repr__(self) -> str:
+        return f"<kerf_bvh.Scene of {self.instance_count} instances, {self.bytes} bytes>"
+
+
+def _points(points: ArrayLike) -> tuple[Float32, tuple[int, ...]]:
+    array = triples_of(points, "points")
+    return rows_of(rounded(array.reshape(-1, 3))), array.shape[:-1]
+
+
+def _scene_points(records: npt.NDArray[Any], points: ArrayLike) -> ScenePoints:
+    position = records["position"].astype(triples_of(points, "points").dtype, copy=False)
+    names = ("distance", "u", "v", "primitive", "mesh", "instance")
+    return ScenePoints(position, *(records[name] for name in names))
+
+
+def _scene_of(objects: Any, transforms: Any, which: Any, masks: Any, numbers: Any) -> Scene:
+    return Scene(objects, transforms, which=which, masks=masks, numbers=numbers)
