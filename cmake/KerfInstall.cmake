@@ -1,14 +1,21 @@
 # `cmake --install` lays down the library and its headers so that `find_package(kerf)` finds them, and the tool.
+# Components: `library`, what programs need that run; `development`, what is needed to compile some; `tool`.
 include(CMakePackageConfigHelpers)
 
+# kerf_install_library(TARGET RUNTIME DEVELOPMENT): into these components.
+function(kerf_install_library target runtime development)
+  install(
+    TARGETS ${target}
+    EXPORT kerfTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${development}
+    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${runtime}
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${runtime} NAMELINK_COMPONENT ${development})
+endfunction()
+
 set(KERF_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/kerf)
-install(
-  TARGETS kerf
-  EXPORT kerfTargets
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library
-  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/kerf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library)
-install(EXPORT kerfTargets NAMESPACE kerf:: DESTINATION ${KERF_PACKAGE_DIR} COMPONENT library)
+kerf_install_library(kerf library development)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/kerf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(EXPORT kerfTargets NAMESPACE kerf:: DESTINATION ${KERF_PACKAGE_DIR} COMPONENT development)
 
 get_target_property(KERF_LIBRARY_TYPE kerf TYPE)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/kerfConfig.cmake.in ${PROJECT_BINARY_DIR}/kerfConfig.cmake
@@ -16,7 +23,7 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/kerfConfig.cmake.in ${PR
 # Before 1.0 a minor version may change the interface.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/kerfConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/kerfConfig.cmake ${PROJECT_BINARY_DIR}/kerfConfigVersion.cmake
-        DESTINATION ${KERF_PACKAGE_DIR} COMPONENT library)
+        DESTINATION ${KERF_PACKAGE_DIR} COMPONENT development)
 
 # For users of pkg-config. A static library leaves the linking of what it stands on to the program that uses it.
 function(kerf_install_pkg_config name language type)
@@ -30,6 +37,6 @@ function(kerf_install_pkg_config name language type)
     string(PREPEND KERF_PC_PACKAGES "tbb ")
   endif()
   configure_file(${PROJECT_SOURCE_DIR}/cmake/package.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
-  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT library)
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 endfunction()
 kerf_install_pkg_config(kerf C++ ${KERF_LIBRARY_TYPE})

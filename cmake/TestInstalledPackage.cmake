@@ -1,4 +1,4 @@
-# Installs the library, and builds and runs examples/minimal against what was installed. The library is that of the
+# Installs the library, and builds and runs examples/minimal and own_pool against what was installed. The library is that of the
 # build in BINARY_DIR, or if that is not given one that is built here, alone, shared and with OPTIONS.
 # Run with -P; KerfProjectTests.cmake sets the variables.
 
@@ -11,7 +11,7 @@ function(run)
 endfunction()
 
 set(prefix ${WORK_DIR}/prefix)
-file(REMOVE_RECURSE ${prefix} ${WORK_DIR}/example)
+file(REMOVE_RECURSE ${prefix} ${WORK_DIR}/example ${WORK_DIR}/own_pool)
 set(common -G ${GENERATOR} -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})
 
 if(NOT BINARY_DIR)
@@ -22,12 +22,23 @@ if(NOT BINARY_DIR)
       -DKERF_BINDINGS_C=ON ${options})
   run(${CMAKE_COMMAND} --build ${BINARY_DIR})
 endif()
-run(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${prefix} --component library)
+foreach(component library development)
+  run(${CMAKE_COMMAND} --install ${BINARY_DIR} --prefix ${prefix} --component ${component})
+endforeach()
 
 run(${CMAKE_COMMAND} -S ${SOURCE_DIR}/examples/minimal -B ${WORK_DIR}/example ${common} -DCMAKE_PREFIX_PATH=${prefix})
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/example)
 run(${WORK_DIR}/example/minimal)
 if(NOT output MATCHES "hit triangle 0 of mesh 0 at t = 2")
+  message(FATAL_ERROR "the example printed: ${output}")
+endif()
+message("${output}")
+
+# On a pool of threads of the program's own, whatever threads the library has.
+run(${CMAKE_COMMAND} -S ${SOURCE_DIR}/examples/own_pool -B ${WORK_DIR}/own_pool ${common} -DCMAKE_PREFIX_PATH=${prefix})
+run(${CMAKE_COMMAND} --build ${WORK_DIR}/own_pool)
+run(${WORK_DIR}/own_pool/own_pool)
+if(NOT output MATCHES "75000 of 100000 rays hit the floor")
   message(FATAL_ERROR "the example printed: ${output}")
 endif()
 message("${output}")

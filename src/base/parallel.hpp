@@ -4,6 +4,8 @@
 //     std      the standard library's, begun for each call that has work for several; KERF_STANDARD_THREADS
 //     serial   the caller's alone; KERF_SERIAL
 //
+// Within `run_on` (<kerf/threads.hpp>) they are those of the caller's pool, whatever the option says.
+//
 // oneTBB's threads have the floating-point modes of the thread that used it first; tasks here have the
 // default modes. ThreadSanitizer sees synchronisation only in code that was compiled with it, and the
 // packaged oneTBB was not: every task would seem to race with its parent. So it needs `std`.
@@ -13,12 +15,9 @@
 #include <cstddef>
 
 #include "base/fp_environment.hpp"
-
-#if defined(KERF_STANDARD_THREADS)
-#include <thread>
-
 #include "base/team.hpp"
-#elif !defined(KERF_SERIAL)
+
+#if !defined(KERF_STANDARD_THREADS) && !defined(KERF_SERIAL)
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -45,50 +44,31 @@ class IndexRange {
 /// its `max_allowed_parallelism`, and prints a warning if more are asked for.
 inline int usable_threads(unsigned wanted) {
 #if defined(KERF_SERIAL)
-  (void)wanted;
-  return 1;
+  unsigned available = 1;
+#elif defined(KERF_STANDARD_THREADS)
+  unsigned available = std::max(1u, std::thread::hardware_concurrency());
 #else
-#if defined(KERF_STANDARD_THREADS)
-  const unsigned available = std::max(1u, std::thread::hardware_concurrency());
-#else
-  const auto available =
+  auto available =
       static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 #endif
+  if (const Team* const team = Team::current(); team != nullptr && team->pool() != nullptr)
+    available = static_cast<unsigned>(team->threads());
   return static_cast<int>(wanted == 0 ? available : std::min(wanted, available));
-#endif
 }
-
-/// True while the work of this thread is to run on this thread only.
-#if defined(KERF_SERIAL)
-inline constexpr bool one_thread_only = true;
-#else
-inline thread_local bool one_thread_only = false;
-#endif
 
 /// Calls `work` and returns what it returns. Loops in it stay on this thread and never enter the scheduler.
 template <class Work>
 auto on_this_thread(const Work& work) {
-#if !defined(KERF_SERIAL)
   struct Restore {
     bool before = one_thread_only;
     ~Restore() { one_thread_only = before; }
   } restore;
   one_thread_only = true;
-#endif
   return work();
 }
 
 /// What loops run on: never entered where `one_thread_only` holds.
 namespace scheduler {
-
-#if defined(KERF_SERIAL)
-
-template <class First, class Second>
-void invoke(const First&, const Second&) {}
-template <class Index, class Body>
-void loop(Index, Index, std::size_t, const Body&) {}
-
-#elif defined(KERF_STANDARD_THREADS)
 
 // In the team of this thread, or in one for this call alone.
 template <class Work>
@@ -97,33 +77,31 @@ auto in_team(const Work& work) {
   Team team(usable_threads(0));
   return team.lead([&] { return work(team); });
 }
+
 template <class First, class Second>
 void invoke(const First& first, const Second& second) {
+#if !defined(KERF_STANDARD_THREADS) && !defined(KERF_SERIAL)
+  if (Team::current() == nullptr) return tbb::parallel_invoke(first, second);
+#endif
   in_team([&](Team& team) { team.invoke(first, second); });
 }
+
 template <class Index, class Body>
 void loop(Index begin, Index end, std::size_t grain, const Body& body) {
+#if !defined(KERF_STANDARD_THREADS) && !defined(KERF_SERIAL)
+  if (Team::current() == nullptr) {
+    tbb::parallel_for(
+        tbb::blocked_range<Index>(begin, end, grain),
+        [&](const tbb::blocked_range<Index>& range) { body(IndexRange<Index>(range.begin(), range.end())); });
+    return;
+  }
+#endif
   in_team([&](Team& team) {
     team.loop(static_cast<std::size_t>(end - begin), grain, [&](std::size_t from, std::size_t to) {
       body(IndexRange<Index>(static_cast<Index>(begin + from), static_cast<Index>(begin + to)));
     });
   });
 }
-
-#else
-
-template <class First, class Second>
-void invoke(const First& first, const Second& second) {
-  tbb::parallel_invoke(first, second);
-}
-template <class Index, class Body>
-void loop(Index begin, Index end, std::size_t grain, const Body& body) {
-  tbb::parallel_for(
-      tbb::blocked_range<Index>(begin, end, grain),
-      [&](const tbb::blocked_range<Index>& range) { body(IndexRange<Index>(range.begin(), range.end())); });
-}
-
-#endif
 
 }  // namespace scheduler
 
@@ -197,14 +175,11 @@ Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
 /// called, on the same thread, with the same thread-local data and locks.
 template <class Work>
 auto isolated(const Work& work) {
-#if defined(KERF_SERIAL)
-  return work();
-#elif defined(KERF_STANDARD_THREADS)
   if (one_thread_only || Team::current() != nullptr) return work();
+#if defined(KERF_SERIAL) || defined(KERF_STANDARD_THREADS)
   Team team(usable_threads(0));
   return team.lead(work);
 #else
-  if (one_thread_only) return work();
   return tbb::this_task_arena::isolate(work);
 #endif
 }
@@ -217,9 +192,12 @@ auto on_threads(unsigned wanted, const Work& work) {
   if (wanted == 0 || one_thread_only) return isolated(work);
   const int threads = usable_threads(wanted);
   if (threads == 1) return on_this_thread(work);
-#if defined(KERF_SERIAL)
-  return work();
-#elif defined(KERF_STANDARD_THREADS)
+  if (Team* const team = Team::current(); team != nullptr && team->pool() != nullptr) {
+    if (team->threads() == threads) return work();
+    Team part(threads, team->pool());
+    return part.lead(work);
+  }
+#if defined(KERF_SERIAL) || defined(KERF_STANDARD_THREADS)
   Team team(threads);
   return team.lead(work);
 #else

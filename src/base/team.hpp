@@ -1,4 +1,5 @@
-// Threads of the standard library that work on one call together: what loops run on where there is no oneTBB.
+// Threads that work on one call together: what loops run on where there is no oneTBB, or where the caller
+// gives a pool of its own.
 #pragma once
 
 #include <algorithm>
@@ -6,24 +7,38 @@
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <system_error>
 #include <thread>
 #include <vector>
 
+#include <kerf/threads.hpp>
+
 #include "base/fp_environment.hpp"
 
 namespace kerf {
 
-/// The caller's thread and up to `threads - 1` others, which begin when there is first something for them to
-/// do and end with the team. A member that waits for a task works on other tasks of the team, and on nothing
-/// else.
+/// True while the work of this thread is to run on this thread only.
+#if defined(KERF_SERIAL)
+inline thread_local bool one_thread_only = true;
+#else
+inline thread_local bool one_thread_only = false;
+#endif
+
+/// The caller's thread and up to `threads - 1` others. Those of the standard library begin when there is
+/// first something for them to do and end with the team. Those of a caller's pool are asked for whenever
+/// there is something to do, leave when there is nothing, and may come late or never. A member that waits for
+/// a task works on other tasks of the team, and on nothing else.
 class Team {
  public:
-  explicit Team(int threads) : threads_(threads) {}
+  explicit Team(int threads, const ThreadPool* pool = nullptr) : threads_(threads), pool_(pool) {
+    if (pool != nullptr) door_ = std::make_shared<Door>(this);
+  }
   Team(const Team&) = delete;
   Team& operator=(const Team&) = delete;
   ~Team() {
+    if (door_ != nullptr) door_->close();
     {
       const std::lock_guard lock(mutex_);
       closed_ = true;
@@ -31,6 +46,9 @@ class Team {
     changed_.notify_all();
     for (std::thread& other : others_) other.join();
   }
+
+  int threads() const { return threads_; }
+  const ThreadPool* pool() const { return pool_; }  ///< null for threads of the standard library
 
   /// The team that this thread works in; null outside of any.
   static Team*& current() {
@@ -41,11 +59,7 @@ class Team {
   /// Calls `work` with this team as the current one, and returns what it returns.
   template <class Work>
   auto lead(const Work& work) {
-    struct Restore {
-      Team* before = current();
-      ~Restore() { current() = before; }
-    } restore;
-    current() = this;
+    const Membership member(this);
     return work();
   }
 
@@ -84,6 +98,52 @@ class Team {
   }
 
  private:
+  // While it lives, this thread is one of the team.
+  struct Membership {
+    explicit Membership(Team* team) {
+      current() = team;
+      one_thread_only = false;
+    }
+    Membership(const Membership&) = delete;
+    Membership& operator=(const Membership&) = delete;
+    ~Membership() {
+      current() = team_before;
+      one_thread_only = alone_before;
+    }
+    Team* team_before = current();
+    bool alone_before = one_thread_only;
+  };
+
+  // What a pool is given outlives the team, if the pool comes to it late: then the door is closed.
+  class Door {
+   public:
+    explicit Door(Team* team) : team_(team) {}
+
+    void enter() {
+      {
+        const std::lock_guard lock(mutex_);
+        if (team_ == nullptr) return;
+        ++inside_;
+      }
+      team_->help();
+      const std::lock_guard lock(mutex_);
+      --inside_;
+      left_.notify_all();
+    }
+
+    void close() {
+      std::unique_lock lock(mutex_);
+      left_.wait(lock, [&] { return inside_ == 0; });
+      team_ = nullptr;
+    }
+
+   private:
+    Team* team_;
+    int inside_ = 0;
+    std::mutex mutex_;
+    std::condition_variable left_;
+  };
+
   struct Task {
     template <class Work>
     explicit Task(const Work& work)
@@ -102,12 +162,44 @@ class Team {
   }
 
   void give(Task& task) {
+    bool ask = false;
     {
       const std::lock_guard lock(mutex_);
-      recruit();
+      if (pool_ == nullptr) {
+        recruit();
+      } else if (helpers_ + 1 < threads_) {
+        ++helpers_;
+        ask = true;
+      }
       waiting_.push_back(&task);
     }
     changed_.notify_all();
+    if (ask) ask_pool();
+  }
+
+  // A pool that refuses leaves the work to those that there are.
+  void ask_pool() {
+    try {
+      pool_->start([door = door_] { door->enter(); });
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      --helpers_;
+    }
+  }
+
+  // What a thread of a pool does when it comes. One that the pool has started in the middle of a member's own
+  // work is that member's thread, which must not wait here for itself.
+  void help() {
+    if (current() == this) {
+      const std::lock_guard lock(mutex_);
+      --helpers_;
+      return;
+    }
+    const PlainFloatingPoint plain;
+    const Membership member(this);
+    std::unique_lock lock(mutex_);
+    while (!waiting_.empty()) run_newest(lock);
+    --helpers_;
   }
 
   // Takes the task back if nobody has begun it; else works on others until it is done.
@@ -150,7 +242,7 @@ class Team {
   // What all members but the first do.
   void serve() {
     const PlainFloatingPoint plain;
-    current() = this;
+    const Membership member(this);
     std::unique_lock lock(mutex_);
     while (true) {
       changed_.wait(lock, [&] { return closed_ || !waiting_.empty(); });
@@ -171,6 +263,9 @@ class Team {
   }
 
   std::atomic<int> threads_;
+  const ThreadPool* pool_;
+  std::shared_ptr<Door> door_;
+  int helpers_ = 0;  // that the pool was asked for and that have not left
   std::vector<std::thread> others_;
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -1,9 +1,11 @@
-// The C interface: every call of <kerf/bvh.hpp>, <kerf/refit.hpp> and <kerf/scene.hpp> in plain functions.
+// The C interface: every call of <kerf/bvh.hpp>, <kerf/refit.hpp>, <kerf/scene.hpp> and <kerf/threads.hpp> in
+// plain functions.
 #include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <new>
 #include <optional>
@@ -17,6 +19,7 @@
 #include <kerf/kerf.h>
 #include <kerf/kerf.hpp>
 #include <kerf/scene.hpp>
+#include <kerf/threads.hpp>
 
 struct kerf_bvh {
   explicit kerf_bvh(kerf::Bvh made) : bvh(std::move(made)) {}
@@ -738,6 +741,27 @@ kerf_status kerf_triangles_in_many(const kerf_bvh* bvh, const kerf_box* boxes, s
     require(bvh);
     hand_out(bvh->bvh.triangles_in(answers(as<const kerf::Box3f>(boxes), count), to_options(options)),
              offsets, ids, capacity);
+  });
+}
+
+kerf_status kerf_run_on(const kerf_thread_pool* given, void (*work)(void*), void* context) {
+  return guarded([&] {
+    require(given);
+    const auto pool = read_versioned<kerf_thread_pool>(given, KERF_THREAD_POOL_INIT, "kerf_thread_pool");
+    if (pool.threads == nullptr || pool.start == nullptr || work == nullptr) refuse("a function is null");
+    kerf::run_on(
+        {.threads = [&pool] { return pool.threads(pool.context); },
+         .start =
+             [&pool](std::function<void()> task) {
+               auto held = std::make_unique<std::function<void()>>(std::move(task));
+               const auto call = [](void* data) {
+                 const std::unique_ptr<std::function<void()>> mine(static_cast<std::function<void()>*>(data));
+                 (*mine)();
+               };
+               if (pool.start(pool.context, call, held.get()) == 0) throw std::bad_alloc();
+               held.release();
+             }},
+        [&] { work(context); });
   });
 }
 

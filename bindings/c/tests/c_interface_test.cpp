@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <mutex>
 #include <random>
 #include <string>
 #include <thread>
@@ -28,6 +29,7 @@ static_assert(sizeof(kerf_mesh) == 64 && sizeof(kerf_double_mesh) == 64 && sizeo
 static_assert(sizeof(kerf_statistics) == 80 && sizeof(kerf_batch_options) == 16);
 static_assert(sizeof(kerf_rays) == 160 && sizeof(kerf_hits) == 96 && sizeof(kerf_points) == 32);
 static_assert(sizeof(kerf_refit_report) == 24 && sizeof(kerf_instance) == 128);
+static_assert(sizeof(kerf_thread_pool) == 32);
 
 struct Scene {
   std::vector<float> vertices;
@@ -361,6 +363,50 @@ TEST_F(CInterface, ARefitAnswersAsANewBuildAndLeavesOtherOwnersAlone) {
   EXPECT_EQ(kerf_refit(&none, &bent, 1, nullptr, nullptr), KERF_INVALID_ARGUMENT);
   kerf_bvh_release(mine);
   kerf_bvh_release(shared);
+}
+
+TEST_F(CInterface, CallsRunOnThePoolThatIsGiven) {
+  // Each task on a thread of its own; every third is refused.
+  struct Threads {
+    std::mutex mutex;
+    std::vector<std::thread> started;
+    int asked = 0;
+  } threads;
+  kerf_thread_pool pool = KERF_THREAD_POOL_INIT;
+  pool.context = &threads;
+  pool.threads = [](void*) { return 4u; };
+  pool.start = [](void* context, void (*task)(void*), void* data) {
+    auto& all = *static_cast<Threads*>(context);
+    const std::lock_guard lock(all.mutex);
+    if (++all.asked % 3 == 0) return 0;
+    all.started.emplace_back([=] { task(data); });
+    return 1;
+  };
+  struct Asked {
+    const kerf_bvh* bvh;
+    std::vector<kerf_ray> rays;
+    std::vector<kerf_hit> hits;
+    kerf_status status = KERF_INTERNAL;
+  } asked{scene.c, std::vector<kerf_ray>(20000), std::vector<kerf_hit>(20000)};
+  for (kerf_ray& each : asked.rays) each = ray();
+  const auto work = [](void* context) {
+    auto& all = *static_cast<Asked*>(context);
+    const kerf_rays from = kerf_rays_of(all.rays.data(), all.rays.size());
+    const kerf_hits to = kerf_hits_of(all.hits.data(), all.hits.size());
+    all.status = kerf_intersect_many(all.bvh, &from, &to, nullptr);
+  };
+  ASSERT_EQ(kerf_run_on(&pool, work, &asked), KERF_OK) << kerf_last_error();
+  ASSERT_EQ(asked.status, KERF_OK);
+  for (std::thread& each : threads.started) each.join();
+  EXPECT_GT(threads.asked, 0);
+  for (std::size_t i = 0; i < asked.rays.size(); ++i) {
+    ASSERT_EQ(as<kerf::Hit>(asked.hits[i]),
+              scene.cpp.intersect(as<kerf::Ray>(asked.rays[i])).value_or(kerf::Hit{}));
+  }
+  EXPECT_EQ(kerf_run_on(nullptr, work, &asked), KERF_INVALID_ARGUMENT);
+  EXPECT_EQ(kerf_run_on(&pool, nullptr, &asked), KERF_INVALID_ARGUMENT);
+  pool.threads = nullptr;
+  EXPECT_EQ(kerf_run_on(&pool, work, &asked), KERF_INVALID_ARGUMENT);
 }
 
 // Scenes of the test's sphere under transforms of all kinds, one of them in the other.

@@ -397,6 +397,26 @@ KERF_C_API kerf_status kerf_triangles_in_many(const kerf_bvh* bvh, const kerf_bo
                                               size_t* offsets, kerf_primitive_id* ids, size_t capacity,
                                               const kerf_batch_options* options);
 
+/* ---- Threads of the caller's own ---- */
+
+/* A pool of threads that the caller has already. Both functions may be called from any thread, and from
+ * several at once. */
+typedef struct kerf_thread_pool {
+  size_t struct_size;
+  void* context;
+  /* How many threads may work on one call, that which makes the call included. */
+  uint32_t (*threads)(void* context);
+  /* Has task(data) called once, on any thread of the pool, now or later: at the latest before the pool ends.
+   * It ends when there is nothing to help with. 0: the pool takes no more, and will not call it. */
+  int (*start)(void* context, void (*task)(void* data), void* data);
+} kerf_thread_pool;
+#define KERF_THREAD_POOL_INIT \
+  { sizeof(kerf_thread_pool), NULL, NULL, NULL }
+
+/* Calls work(context), and runs all calls of kerf that it makes on this thread and those of the pool, as
+ * `run_on` in <kerf/threads.hpp>. No call waits for a task that the pool has not begun. */
+KERF_C_API kerf_status kerf_run_on(const kerf_thread_pool* pool, void (*work)(void* context), void* context);
+
 /* ---- Scenes: hierarchies at places ---- */
 
 /* A hierarchy over instances, which may be scenes themselves, up to eight levels deep. */
