@@ -8,8 +8,8 @@
 #include "base/aligned_array.hpp"
 #include "files/file_header.hpp"
 #include "files/name_file.hpp"
-#include "files/posix_file.hpp"
 #include "files/read_image.hpp"
+#include "files/system_file.hpp"
 
 namespace kerf {
 namespace {

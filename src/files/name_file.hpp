@@ -6,6 +6,7 @@
 #include "base/out_of_memory.hpp"
 #include "base/parallel.hpp"
 #include "base/raise.hpp"
+#include "files/paths.hpp"
 
 namespace kerf {
 
@@ -17,7 +18,7 @@ decltype(auto) naming_file(const std::filesystem::path& path, const Work& work) 
     return report_out_of_memory([&] { return isolated(work); });
   } catch (const Error& error) {
     if (error.code() == Error::io) throw;  // these have the name already
-    raise(error.code(), "%s: %s", path.c_str(), error.what());
+    raise(error.code(), "%s: %s", text_of(path).c_str(), error.what());
   }
 }
 

@@ -1,10 +1,7 @@
-#include "files/posix_file.hpp"
-
+// Files of POSIX systems.
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <random>
-#include <string>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -13,6 +10,8 @@
 
 #include "base/parallel.hpp"
 #include "base/raise.hpp"
+#include "files/paths.hpp"
+#include "files/system_file.hpp"
 
 namespace kerf {
 namespace {
@@ -29,24 +28,6 @@ constexpr std::size_t block_bytes = std::size_t{1} << 22;
   raise(Error::io, "%s: %s: %s", path.c_str(), what, std::strerror(error));
 }
 
-// To the system a path ends at a zero byte: it would open another file.
-void check_path(const std::filesystem::path& path) {
-  if (path.native().find('\0') != std::string::npos)
-    raise(Error::io, "%s: has a zero byte in its name", path.c_str());
-}
-
-// The file that `path` stands for: the end of a chain of symbolic links, whether it exists or not.
-std::filesystem::path follow_links(std::filesystem::path path) {
-  constexpr int max_links = 40;  // as many as the system follows
-  std::error_code error;
-  for (int links = 0; std::filesystem::is_symlink(path, error); ++links) {
-    if (links == max_links) fail(path, "cannot be written", ELOOP);
-    path = path.parent_path() / std::filesystem::read_symlink(path, error);
-    if (error) fail(path, "cannot be written", error.value());
-  }
-  return path;
-}
-
 // The new file until it has its final name. It is removed if it never gets it. Devices, pipes and directories
 // are not replaced. The new file has the permissions of the old one.
 class TemporaryFile {
@@ -57,12 +38,8 @@ class TemporaryFile {
     if (replaces && !S_ISREG(old.st_mode))
       raise(Error::io, "%s: is not a file that can be replaced", final_path.c_str());
     const mode_t mode = replaces ? old.st_mode & 0777 : 0666;
-    // With a number of up to ten digits the name has at most the 255 bytes that a system allows.
-    constexpr std::size_t max_name_bytes = 240;
-    const std::string name = final_path.filename().string().substr(0, max_name_bytes);
-    std::random_device random;
     do {
-      path_ = (final_path.parent_path() / (name + "." + std::to_string(random()) + ".tmp")).string();
+      path_ = temporary_name(final_path);
       descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     } while (descriptor_ < 0 && errno == EEXIST);
     if (descriptor_ < 0) fail(final_path, "cannot be written", errno);
@@ -95,7 +72,7 @@ class TemporaryFile {
 
  private:
   const std::filesystem::path& final_path_;
-  std::string path_;
+  std::filesystem::path path_;
   int descriptor_ = -1;
   bool renamed_ = false;
 };
@@ -117,22 +94,23 @@ void sync_directory(const std::filesystem::path& path) {
 
 InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
   check_path(path);
-  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor_ < 0) fail(path, "cannot be opened", errno);
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) fail(path, "cannot be opened", errno);
   struct stat status {};
-  const bool known = ::fstat(descriptor_, &status) == 0;
+  const bool known = ::fstat(descriptor, &status) == 0;
   if (!known || !S_ISREG(status.st_mode)) {
     const int error = known ? EISDIR : errno;
-    ::close(descriptor_);
+    ::close(descriptor);
     if (known && !S_ISDIR(status.st_mode))
       raise(Error::io, "%s: is not a file that can be read", path.c_str());
     fail(path, "cannot be read as a file", error);
   }
+  handle_ = descriptor;
   size_ = static_cast<std::uint64_t>(status.st_size);
 }
 
 InputFile::~InputFile() {
-  ::close(descriptor_);
+  ::close(static_cast<int>(handle_));
 }
 
 void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const {
@@ -144,8 +122,8 @@ void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const {
 
 void InputFile::read_block(std::span<std::byte> bytes, std::uint64_t offset) const {
   while (!bytes.empty()) {
-    const ssize_t count = ::pread(descriptor_, bytes.data(), std::min(bytes.size(), max_bytes_per_call),
-                                  static_cast<off_t>(offset));
+    const ssize_t count = ::pread(static_cast<int>(handle_), bytes.data(),
+                                  std::min(bytes.size(), max_bytes_per_call), static_cast<off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) fail(path_, "cannot be read", errno);
     if (count == 0) fail(path_, "became shorter while it was read", EIO);
@@ -155,7 +133,7 @@ void InputFile::read_block(std::span<std::byte> bytes, std::uint64_t offset) con
 }
 
 std::shared_ptr<const std::byte> InputFile::map() const {
-  void* memory = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor_, 0);
+  void* memory = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, static_cast<int>(handle_), 0);
   if (memory == MAP_FAILED) fail(path_, "cannot be mapped", errno);
   return {static_cast<const std::byte*>(memory),
           [bytes = size_](const std::byte* mapped) { ::munmap(const_cast<std::byte*>(mapped), bytes); }};

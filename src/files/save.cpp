@@ -4,7 +4,7 @@
 
 #include "files/file_header.hpp"
 #include "files/name_file.hpp"
-#include "files/posix_file.hpp"
+#include "files/system_file.hpp"
 #include "structure.hpp"
 
 namespace kerf {

@@ -1,4 +1,5 @@
-// Files as the system has them: opened, read, mapped, and replaced as a whole.
+// Files as the system has them: opened, read, mapped, and replaced as a whole. posix_file.cpp and
+// windows_file.cpp say how, each for its systems.
 #pragma once
 
 #include <cstddef>
@@ -22,14 +23,15 @@ class InputFile {
   /// Fills `bytes` with those at `offset`. Many bytes are read on all cores.
   void read(std::span<std::byte> bytes, std::uint64_t offset) const;
 
-  /// The whole file, mapped: its memory changes when others write to the file. Not for an empty file.
+  /// The whole file, mapped: its memory changes when others write to the file, and Windows lets nobody
+  /// replace it meanwhile. Not for an empty file.
   std::shared_ptr<const std::byte> map() const;
 
  private:
   void read_block(std::span<std::byte> bytes, std::uint64_t offset) const;
 
   const std::filesystem::path& path_;
-  int descriptor_;
+  std::intptr_t handle_;  // what the system calls it
   std::uint64_t size_;
 };
 
