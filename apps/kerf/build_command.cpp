@@ -90,7 +90,7 @@ void add_build_command(CLI::App& app) {
       ->type_name("FILE")
       ->required();
   command->add_option("--builder", options->builder, builder_names())
-      ->type_name("NAME")
+      ->type_name(builder_names("|", "|"))
       ->capture_default_str();
   command->add_option("--alpha", options->alpha, "Overlap above which a spatial split is tried, from 0 to 1")
       ->type_name("A")

@@ -22,4 +22,8 @@ void add_render_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
 void add_build_command(CLI::App& app);
 
+/// Pages about the commands that have been added, and themselves.
+void add_manual_command(CLI::App& app);
+void add_completion_command(CLI::App& app);
+
 }  // namespace kerf_tool

@@ -244,7 +244,7 @@ void add_info_command(CLI::App& app) {
   command
       ->add_option("--builder", options->builder,
                    builder_names() + "; if none is given, the hierarchy of a .kerf file, else sbvh")
-      ->type_name("NAME");
+      ->type_name(builder_names("|", "|"));
   command->add_option("--json", options->json, "Write all of it as JSON to this file; - is standard output")
       ->check(names_a_file())
       ->type_name("FILE");

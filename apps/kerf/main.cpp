@@ -59,6 +59,8 @@ int run(int argc, char** argv) {
   kerf_tool::add_render_command(app);
   kerf_tool::add_bench_command(app);
   kerf_tool::add_build_command(app);
+  kerf_tool::add_manual_command(app);
+  kerf_tool::add_completion_command(app);
   try {
     if (argc > 1) check_command(app, argv[1]);
     app.parse(argc, argv);

@@ -172,12 +172,12 @@ void add_render_command(CLI::App& app) {
       ->type_name("FILE")
       ->required();
   command->add_option("--mode", options->mode, "shaded, ao (ambient occlusion) or steps (the heat view)")
-      ->type_name("NAME")
+      ->type_name("shaded|ao|steps")
       ->capture_default_str();
   command
       ->add_option("--builder", options->builder,
                    builder_names() + "; if none is given, the hierarchy of a .kerf file, else sbvh")
-      ->type_name("NAME");
+      ->type_name(builder_names("|", "|"));
   command
       ->add_option(
           "--view", options->view,
