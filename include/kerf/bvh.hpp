@@ -274,11 +274,17 @@ class KERF_API Bvh {
   /// is not a regular file (a directory, a device) is not replaced. Throws `Error::io` or `out_of_memory`.
   void save(const std::filesystem::path& path) const;
 
+  /// The bytes of that file. Throws `Error::out_of_memory`.
+  std::vector<std::byte> save() const;
+
   /// Reads a file that `save` wrote. Nodes of another width than this machine traces are converted.
   /// Everything in it is checked before it is used: a damaged or forged file is refused with
   /// `Error::bad_format`, which says what is wrong. A large file is read on all cores. Also throws
   /// `Error::io` or `out_of_memory`. The statistics about the build itself are 0.
   static Bvh load(const std::filesystem::path& path);
+
+  /// The same from the bytes of such a file, which are copied. Throws `Error::bad_format` or `out_of_memory`.
+  static Bvh load(std::span<const std::byte> bytes);
 
   /// As `load`, but refuses nodes of another width with `Error::bad_format`, and maps the file into memory
   /// that all processes that do so share. Nobody may change or truncate the file meanwhile; `load` has no

@@ -6,6 +6,8 @@
 #include <kerf/bvh.hpp>
 
 #include "base/aligned_array.hpp"
+#include "base/out_of_memory.hpp"
+#include "base/parallel.hpp"
 #include "files/file_header.hpp"
 #include "files/name_file.hpp"
 #include "files/read_image.hpp"
@@ -31,6 +33,17 @@ Bvh Bvh::load(const std::filesystem::path& path) {
     const AlignedArray<std::byte> image(static_cast<std::size_t>(file.size()));
     file.read({image.data(), image.size()}, 0);
     return Structure::share(read_image({image.data(), image.size()}, image.owner()));
+  });
+}
+
+Bvh Bvh::load(std::span<const std::byte> bytes) {
+  return report_out_of_memory([&] {
+    return isolated([&] {
+      read_header(bytes.first(std::min(bytes.size(), sizeof(FileHeader))), bytes.size());
+      const AlignedArray<std::byte> image(bytes.size());
+      std::copy(bytes.begin(), bytes.end(), image.data());
+      return Structure::share(read_image({image.data(), image.size()}, image.owner()));
+    });
   });
 }
 

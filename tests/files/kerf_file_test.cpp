@@ -1,5 +1,9 @@
 // .kerf files: what is saved comes back, and what is damaged does not.
+#include <algorithm>
+#include <cstddef>
 #include <random>
+#include <span>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -63,6 +67,33 @@ TEST(KerfFile, LoadedAndMappedAnswerAsSaved) {
     EXPECT_EQ(again.statistics().nodes, bvh.statistics().nodes);
     EXPECT_EQ(again.statistics().bytes, bvh.statistics().bytes);
     EXPECT_EQ(saved(again), saved(bvh));
+  }
+}
+
+TEST(KerfFile, BytesInMemoryAreThoseOfTheFile) {
+  const workbench::Solid torus = workbench::make_torus(48, 24);
+  for (const Bvh& bvh : {build(torus.mesh(), spatial_splits_everywhere()), Bvh()}) {
+    const std::string file = saved(bvh);
+    const std::vector<std::byte> bytes = bvh.save();
+    ASSERT_TRUE(std::ranges::equal(bytes, bytes_of(file)));
+    EXPECT_EQ(saved(Bvh::load(bytes)), file);
+    // At an address that is no multiple of anything, and no longer there once loaded.
+    std::vector<std::byte> moved(bytes.size() + 1);
+    std::ranges::copy(bytes, moved.begin() + 1);
+    const Bvh loaded = Bvh::load(std::span(moved).subspan(1));
+    std::ranges::fill(moved, std::byte{0});
+    EXPECT_EQ(saved(loaded), file);
+  }
+}
+
+TEST(KerfFile, DamagedBytesInMemoryAreRefused) {
+  const std::vector<std::byte> bytes = build(workbench::make_torus(24, 12).mesh()).save();
+  for (std::size_t size : {std::size_t{0}, std::size_t{10}, bytes.size() - 1})
+    EXPECT_EQ(error_of([&] { Bvh::load(std::span(bytes).first(size)); }).first, Error::bad_format);
+  for (std::size_t at = 0; at < bytes.size(); at += 1 + bytes.size() / 64) {
+    std::vector<std::byte> damaged = bytes;
+    damaged[at] ^= std::byte{4};
+    EXPECT_EQ(error_of([&] { Bvh::load(damaged); }).first, Error::bad_format) << at;
   }
 }
 
