@@ -13,13 +13,18 @@
 namespace kerf {
 namespace {
 
+constexpr bool one_target_only = (HWY_TARGETS & (HWY_TARGETS - 1)) == 0;
+
 // All dispatch tables have one shape, since all files of kernels include simd/targets.hpp. Where one target
 // alone is compiled, tables have one entry.
-std::size_t table_index(std::int64_t target) {
-  if ((HWY_TARGETS & (HWY_TARGETS - 1)) == 0) return 0;
-  hwy::ChosenTarget chosen;
-  chosen.Update(target);
-  return chosen.GetIndex();
+std::size_t table_index([[maybe_unused]] std::int64_t target) {
+  if constexpr (one_target_only) {
+    return 0;
+  } else {
+    hwy::ChosenTarget chosen;
+    chosen.Update(target);
+    return chosen.GetIndex();
+  }
 }
 
 struct TargetList {
@@ -28,8 +33,10 @@ struct TargetList {
 
   TargetList() {
     // The compiler itself uses the static target, so that the machine has it, whatever Highway says: it does
-    // not report NEON where AES is missing, which kernels do not use.
-    std::int64_t rest = (hwy::SupportedTargets() | HWY_STATIC_TARGET) & HWY_TARGETS;
+    // not report NEON where AES is missing, which kernels do not use. Where there is no other, as in
+    // WebAssembly, Highway need not be asked, and nothing of its library is linked.
+    std::int64_t rest = HWY_STATIC_TARGET;
+    if constexpr (!one_target_only) rest = (hwy::SupportedTargets() | rest) & HWY_TARGETS;
     for (; rest != 0; rest &= rest - 1) {
       const std::int64_t best = rest & -rest;
       targets[count++] = {hwy::TargetName(best), table_index(best)};

@@ -25,11 +25,6 @@ using FloatTag = hn::CappedTag<float, 8>;
 using FloatVector = hn::Vec<FloatTag>;
 inline constexpr std::size_t vector_lanes = hn::MaxLanes(FloatTag());
 
-// A vector of doubles has half as many lanes, or eight where vectors are that long.
-using DoubleTag = hn::CappedTag<double, 8>;
-using DoubleVector = hn::Vec<DoubleTag>;
-inline constexpr std::size_t double_lanes = hn::MaxLanes(DoubleTag());
-
 template <std::size_t count>
 struct Floats {
   using Tag = hn::CappedTag<float, count>;

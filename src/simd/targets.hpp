@@ -7,8 +7,11 @@
 #error "simd/targets.hpp must be included before Highway"
 #endif
 
-// All that the compiler knows, the fallback included, which tests compare with the others.
+// All that the compiler knows, the fallback included, which tests compare with the others. In WebAssembly
+// vectors are part of the program or are not, and a page would load a fallback that never runs.
+#ifndef __wasm__
 #define HWY_COMPILE_ALL_ATTAINABLE
+#endif
 
 // SSSE3: such old machines take the fallback. SVE and RVV: a vector whose size is unknown to the compiler can
 // be neither a member nor an element of an array; NEON runs wherever SVE does.
