@@ -1,0 +1,2 @@
+// Made by embed.mjs.
+export declare const packed: string;
