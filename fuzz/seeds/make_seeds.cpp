@@ -140,7 +140,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::filesystem::path root = argv[1];
-  for (const char* name : {"gltf_file", "kerf_file", "mesh", "obj_file", "ply_file", "stl_file"})
+  for (const char* name :
+       {"c_interface", "gltf_file", "kerf_file", "mesh", "obj_file", "ply_file", "stl_file"})
     std::filesystem::create_directories(root / name);
 
   const Solid box = workbench::make_box({-1, -1, -1}, {1, 1, 1}), sphere = workbench::make_sphere(1);
@@ -153,6 +154,9 @@ int main(int argc, char** argv) {
   write(root / "mesh" / "zeros", std::string(200, '\0'));
   write(root / "mesh" / "ply", as_ply(sphere));
   write(root / "mesh" / "stl", as_stl(box));
+
+  write(root / "c_interface" / "zeros", std::string(400, '\0'));
+  write(root / "c_interface" / "ply", as_ply(sphere));
 
   write(root / "obj_file" / "box", as_obj(box));
   write_all(root / "obj_file", obj_texts);

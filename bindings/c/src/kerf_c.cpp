@@ -119,7 +119,8 @@ T read_versioned(const void* from, T defaults, const char* name) {
   std::size_t size = 0;
   std::memcpy(&size, from, sizeof size);
   const auto* bytes = static_cast<const unsigned char*>(from);
-  if (size < sizeof size || size > 16 * sizeof(T))
+  // A struct of any version is a multiple of its alignment: another size would end within a pointer.
+  if (size < sizeof size || size > 16 * sizeof(T) || size % alignof(T) != 0)
     throw kerf::Error(kerf::Error::invalid_argument,
                       std::string("struct_size of a ") + name + " is not set: begin with its INIT");
   if (std::any_of(bytes + std::min(size, sizeof(T)), bytes + size, [](unsigned char b) { return b != 0; }))

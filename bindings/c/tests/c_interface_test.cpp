@@ -707,6 +707,10 @@ TEST_F(CInterface, StructsOfOtherVersionsAreUnderstood) {
   EXPECT_EQ(kerf_occluded_many(scene.c, &from, &occluded, &later.known), KERF_INVALID_ARGUMENT);
   EXPECT_NE(std::string(kerf_last_error()).find("does not know"), std::string::npos);
 
+  later.known.struct_size = sizeof(kerf_batch_options) - 1;
+  EXPECT_EQ(kerf_occluded_many(scene.c, &from, &occluded, &later.known), KERF_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(kerf_last_error()).find("struct_size"), std::string::npos);
+
   kerf_statistics earlier = KERF_STATISTICS_INIT;
   earlier.struct_size = offsetof(kerf_statistics, degenerate_triangles);
   earlier.degenerate_triangles = 77;
