@@ -20,7 +20,7 @@ class AlignedArray {
 
   /// Throws `std::bad_alloc`.
   explicit AlignedArray(std::size_t size) : size_(size) {
-    data_.reset(static_cast<T*>(LargeMemory::take(size * sizeof(T))), Free{size * sizeof(T)});
+    data_.reset(static_cast<T*>(LargeMemory::take(LargeMemory::bytes_of<T>(size))), Free{size * sizeof(T)});
   }
 
   std::size_t size() const { return size_; }

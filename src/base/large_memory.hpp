@@ -36,6 +36,14 @@ class LargeMemory {
     return memory;
   }
 
+  /// The bytes of so many values. Throws `std::bad_alloc` if no number holds them, which 32-bit programs
+  /// meet.
+  template <class T>
+  static std::size_t bytes_of(std::size_t count) {
+    if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_array_new_length();
+    return count * sizeof(T);
+  }
+
   static void give_back(void* memory, std::size_t bytes, std::size_t alignment = cache_line) {
     if (is_plain(bytes, alignment)) return ::operator delete(memory);
     ::operator delete(memory, aligned(bytes, alignment));

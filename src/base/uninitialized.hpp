@@ -22,7 +22,9 @@ struct UninitializedAllocator {
   template <class U>
   UninitializedAllocator(const UninitializedAllocator<U>&) {}
 
-  T* allocate(std::size_t count) { return static_cast<T*>(LargeMemory::take(count * sizeof(T), alignof(T))); }
+  T* allocate(std::size_t count) {
+    return static_cast<T*>(LargeMemory::take(LargeMemory::bytes_of<T>(count), alignof(T)));
+  }
   void deallocate(T* memory, std::size_t count) noexcept {
     LargeMemory::give_back(memory, count * sizeof(T), alignof(T));
   }

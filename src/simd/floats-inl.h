@@ -76,7 +76,10 @@ HWY_INLINE Floats<count> absolute(const Floats<count>& a) {
 }
 
 template <class Tag>
-HWY_INLINE std::uint32_t bits(Tag tag, hn::Mask<Tag> mask) {
+HWY_INLINE std::uint32_t bits([[maybe_unused]] Tag tag, hn::Mask<Tag> mask) {
+#ifdef __wasm_simd128__  // one instruction, where Highway 1.0 takes five loads and stores
+  if constexpr (sizeof(hn::TFromD<Tag>) == 4 && hn::MaxLanes(Tag()) == 4) return wasm_i32x4_bitmask(mask.raw);
+#endif
   alignas(8) std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(tag, mask, bytes);
   if constexpr (hn::MaxLanes(Tag()) <= 8) return bytes[0];

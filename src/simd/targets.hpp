@@ -46,4 +46,15 @@
 // (docs/decisions/0085).
 #define KERF_NODE_WIDTH (KERF_FLOAT_LANES >= 8 ? KERF_FLOAT_LANES : 4)
 
+// WebAssembly's minimum and maximum pass NaNs on and order zeros, for which x86 takes eight instructions.
+// Kernels need no more than what SSE does, which is the pseudo-minimum: one instruction there. For Highway to
+// use that, it stands in before Highway sees the header of the compiler.
+#ifdef __wasm_simd128__
+#define __builtin_wasm_min_f32x4(a, b) __builtin_wasm_pmin_f32x4(b, a)
+#define __builtin_wasm_max_f32x4(a, b) __builtin_wasm_pmax_f32x4(b, a)
+#include <wasm_simd128.h>
+#undef __builtin_wasm_min_f32x4
+#undef __builtin_wasm_max_f32x4
+#endif
+
 #include <hwy/targets.h>

@@ -25,7 +25,7 @@ async function geometryOf(model) {
   const [name, angle] = model.split(':');
   let geometry;
   if (name === 'torus' || name === 'beams') {
-    const mesh = name === 'torus' ? torus(1000, 200) : beams(33334, 9);
+    const mesh = name === 'torus' ? torus(1000, 200) : beams(4000, 9);
     geometry = new THREE.BufferGeometry();
     geometry.setAttribute('position', new THREE.BufferAttribute(mesh.positions, 3));
     geometry.setIndex(new THREE.BufferAttribute(mesh.index, 1));

@@ -1,6 +1,6 @@
 // A hierarchy, and what it answers.
 
-import { bytes, check, type Core, core, doubles, floats, KerfError, refuse, Scratch, withProgress, words } from './core.js';
+import { allocate, bytes, check, type Core, core, doubles, floats, KerfError, refuse, Scratch, withProgress, words } from './core.js';
 
 /** A point or a direction. */
 export type Triple = ArrayLike<number> | { readonly x: number; readonly y: number; readonly z: number };
@@ -544,8 +544,7 @@ export class RayBatch implements Hits {
 
   constructor(readonly count: number) {
     this.viewAt = 40 * count;
-    this.memory = core().allocate(this.viewAt + 48) >>> 0;
-    if (this.memory === 0) throw new KerfError('out_of_memory', `not enough memory for ${count} rays`);
+    this.memory = allocate(this.viewAt + 48);
   }
   dispose(): void {
     core().release(this.memory);

@@ -195,6 +195,14 @@ export function check(status: number): void {
   throw new KerfError(codes[status - 1] ?? 'internal', new TextDecoder().decode(memory.slice(begin, end)));
 }
 
+/** Memory of the module, which whoever takes it gives back with `core().release`. */
+export function allocate(size: number): number {
+  // An address has 32 bits: larger numbers would come out as smaller ones.
+  const address = size < 2 ** 32 - 64 ? core().allocate(Math.max(size, 1)) >>> 0 : 0;
+  if (address === 0) throw new KerfError('out_of_memory', `not enough memory for ${size} bytes`);
+  return address;
+}
+
 /** Memory of the module, taken piece by piece and given back as a whole when `work` ends. */
 export class Scratch {
   private readonly taken: number[] = [];
@@ -213,8 +221,7 @@ export class Scratch {
   }
 
   take(size: number): number {
-    const address = core().allocate(Math.max(size, 1)) >>> 0;
-    if (address === 0) throw new KerfError('out_of_memory', `not enough memory for ${size} bytes`);
+    const address = allocate(size);
     this.taken.push(address);
     return address;
   }

@@ -6,7 +6,7 @@ import {
 } from 'three';
 
 import { type BuildOptions, Bvh, type Mesh } from './bvh.js';
-import { core, floats, words } from './core.js';
+import { allocate, core, floats, words } from './core.js';
 import { buildInWorker, type WorkerOptions } from './build-in-worker.js';
 
 type Attribute = BufferAttribute | InterleavedBufferAttribute;
@@ -168,7 +168,7 @@ export class GeometryBvh {
     if (this.written.length > this.partWords) {
       if (this.partsAt !== 0) core().release(this.partsAt);
       this.partWords = this.written.length;
-      this.partsAt = core().allocate(4 * this.partWords) >>> 0;
+      this.partsAt = allocate(4 * this.partWords);
     }
     words().set(this.written, this.partsAt / 4);
     return parts.length;

@@ -137,9 +137,7 @@ HWY_INLINE Float4 largest_of_three(Float4 v) {
   return hn::Max(hn::Max(hn::Broadcast<0>(v), hn::Broadcast<1>(v)), hn::Broadcast<2>(v));
 }
 HWY_INLINE std::uint32_t three_bits(hn::Mask<FloatTag4> mask) {
-  std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(FloatTag4(), mask, bytes);
-  return bytes[0] & 7u;
+  return bits(FloatTag4(), mask) & 7u;
 }
 
 // The axes of a shear (see `RayShear`), by the axis along which the direction is largest and by its sign
