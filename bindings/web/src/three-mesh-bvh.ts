@@ -1,6 +1,6 @@
 // For three-mesh-bvh: a tree of kerf in the buffers of that library, whose calls then run on spatial splits.
 
-import type { BufferGeometry } from 'three';
+import { BufferAttribute, BufferGeometry } from 'three';
 import { MeshBVH } from 'three-mesh-bvh';
 
 import { type BuildOptions, type Mesh, type PackedTree, packTree } from './bvh.js';
@@ -62,4 +62,24 @@ export function buildMeshBVH(geometry: BufferGeometry, options: BuildOptions & {
     { setIndex: false, indirect: true } as Parameters<typeof MeshBVH.deserialize>[2]);
   if (geometry.boundingBox === null) geometry.computeBoundingBox();
   return bvh;
+}
+
+/**
+ * For shaders (`MeshBVHUniformStruct`), which make no room for triangles that an indirect buffer repeats: a `MeshBVH`
+ * without one, over a geometry of the same attributes whose index repeats them. That geometry has no groups, and
+ * `bvh.geometry` is it.
+ */
+export function buildExpandedMeshBVH(geometry: BufferGeometry, options: BuildOptions & { range?: Range } = {}): MeshBVH {
+  const { roots, indirectBuffer } = serializedTree(geometry, options);
+  const index = new Uint32Array(3 * indirectBuffer.length);
+  indirectBuffer.forEach((triangle, i) => {
+    for (let k = 0; k < 3; ++k) index[3 * i + k] = geometry.index ? geometry.index.getX(3 * triangle + k) : 3 * triangle + k;
+  });
+  const expanded = new BufferGeometry();
+  for (const [name, attribute] of Object.entries(geometry.attributes)) expanded.setAttribute(name, attribute);
+  expanded.setIndex(new BufferAttribute(index, 1));
+  expanded.computeBoundingBox();
+  const tree = { version: 1, roots, index, indirectBuffer: null };
+  return MeshBVH.deserialize(tree as unknown as Parameters<typeof MeshBVH.deserialize>[0], expanded,
+    { setIndex: false } as Parameters<typeof MeshBVH.deserialize>[2]);
 }

@@ -2,10 +2,11 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import * as THREE from 'three';
-import { CONTAINED, INTERSECTED, MeshBVH, NOT_INTERSECTED, SAH } from 'three-mesh-bvh';
+import { ADDITION, Brush, computeMeshVolume, Evaluator, INTERSECTION, SUBTRACTION } from 'three-bvh-csg';
+import { CONTAINED, INTERSECTED, MeshBVH, MeshBVHUniformStruct, NOT_INTERSECTED, SAH } from 'three-mesh-bvh';
 import { init } from '../dist/index.js';
 import { acceleratedRaycast } from '../dist/three.js';
-import { buildMeshBVH, serializedTree } from '../dist/three-mesh-bvh.js';
+import { buildExpandedMeshBVH, buildMeshBVH, serializedTree } from '../dist/three-mesh-bvh.js';
 import { beams, boundsOf, pointsAround, raysAtTriangles, torus } from './support/meshes.mjs';
 
 await init();
@@ -199,6 +200,31 @@ test('the draw range, a range and groups leave out what three-mesh-bvh leaves ou
   ranged.addGroup(0, 300, 0);
   ranged.addGroup(900, 900, 1);
   assert.deepEqual(hits(buildMeshBVH(ranged, splits)), hits(new MeshBVH(ranged, { indirect: true })));
+});
+
+test('three-bvh-csg: solids of the same volume', () => {
+  const solids = (split) => [new THREE.TorusKnotGeometry(1, 0.35, 120, 24), new THREE.SphereGeometry(1, 48, 32)].map((shape, i) => {
+    const brush = new Brush(shape);
+    brush.position.set(0.4 * i, 0.2 * i, 0.1 * i);
+    brush.updateMatrixWorld();
+    brush.prepareGeometry(); // makes a tree of its own, in whose place another one may stand
+    if (split) brush.geometry.boundsTree = buildMeshBVH(brush.geometry, splits);
+    return brush;
+  });
+  for (const operation of [ADDITION, SUBTRACTION, INTERSECTION]) {
+    const [a, b] = [false, true].map((split) => computeMeshVolume(new Evaluator().evaluate(...solids(split), operation)));
+    assert.ok(Math.abs(a - b) < 1e-6 * a, `${a} and ${b}`);
+  }
+});
+
+test('shaders: the texture of an expanded tree has the triangles of every leaf, and its calls find the same hits', () => {
+  const uniforms = new MeshBVHUniformStruct(), expanded = buildExpandedMeshBVH(geometry, splits);
+  uniforms.updateFrom(expanded);
+  const leaves = MeshBVH.serialize(kerf).indirectBuffer, { data } = uniforms.index.image;
+  leaves.forEach((triangle, i) => {
+    assert.deepEqual([...data.subarray(4 * i, 4 * i + 3)], [...mesh.index.subarray(3 * triangle, 3 * triangle + 3)]);
+  });
+  for (const ray of rays(200)) assert.equal(expanded.raycastFirst(ray, THREE.DoubleSide)?.distance, own.raycastFirst(ray, THREE.DoubleSide)?.distance);
 });
 
 test('a mesh without triangles is a tree that nothing meets', () => {
