@@ -6,7 +6,7 @@ const $ = (id) => document.getElementById(id);
 const picture = $('picture'), context = picture.getContext('2d'), overlay = $('boxes');
 const worker = new Worker(new URL('./tracer.js', import.meta.url), { type: 'module' });
 
-const state = { builder: 'sbvh', alpha: 1e-5, mode: 'shaded', level: -1, azimuth: 0.9, height: 0.35, distance: 1.3 };
+const state = { builder: 'sbvh', alpha: 1e-5, mode: 'shaded', level: -1, azimuth: -0.9, height: 0.3, distance: 1.3 };
 let bounds = { lower: [0, 0, 0], upper: [1, 1, 1] }, boxes = new Float32Array(0), number = 0;
 /** For tests: how many pictures are complete, and of what. */
 window.shown = { number: -1, mode: '' };
@@ -240,4 +240,4 @@ addEventListener('resize', () => {
 });
 
 setAlpha();
-load(models.beams());
+load(models.hall());

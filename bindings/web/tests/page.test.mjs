@@ -100,6 +100,7 @@ test('the page draws a model, and every builder draws the same picture', { skip 
 test('the picture of a split BVH costs fewer steps than that of a plain one, as the table says', { skip }, async () => {
   const { page, complaints } = await opened();
   await settled(page);
+  await settled(page, () => page.selectOption('#model', 'beams'));
   await page.click('#compare');
   await page.waitForFunction(() => document.querySelectorAll('#table tbody tr').length === 5 && !document.getElementById('compare').disabled, null, { timeout: 120000 });
   const rows = await page.$$eval('#table tbody tr', (lines) => lines.map((line) => [...line.cells].map((cell) => cell.textContent)));
