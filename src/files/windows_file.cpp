@@ -1,4 +1,5 @@
 // Files of Windows, by its own calls.
+#ifdef _WIN32
 #include <algorithm>
 #include <string>
 #include <system_error>
@@ -152,3 +153,5 @@ void replace_file(const std::filesystem::path& path, std::span<const std::span<c
 }
 
 }  // namespace kerf
+
+#endif
