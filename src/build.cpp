@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "construction/sbvh/parallel_build.hpp"
 #include "layout/lay_out.hpp"
 #include "local_frame.hpp"
+#include "refinement/refine.hpp"
 #include "traversal/dispatch.hpp"
 
 namespace kerf {
@@ -33,9 +35,14 @@ std::shared_ptr<Structure> build_structure(std::span<const TriangleMesh> meshes,
                                            const BuildOptions& options) {
   const Geometry geometry(meshes);
   const auto from_end_to_end = [&] {
-    return lay_out_tree(geometry, construct(geometry, options), options.threads);
+    return lay_out_tree(geometry, make_tree(geometry, options), options.threads);
   };
   return is_one_task(geometry, options) ? on_this_thread(from_end_to_end) : isolated(from_end_to_end);
+}
+
+// Of the time of a build that refines, the part that its builder takes, about.
+float share_of_construction(Quality quality) {
+  return quality == Quality::high ? 0.6f : 0.1f;
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -51,6 +58,21 @@ std::vector<std::uint32_t> masks_of(std::span<const TriangleMesh> meshes) {
 }
 
 }  // namespace
+
+BinaryTree make_tree(const Geometry& geometry, const BuildOptions& options) {
+  if (options.quality == Quality::fast) return construct(geometry, options);
+  // Either stage has a part of the progress.
+  const float share = share_of_construction(options.quality);
+  BuildOptions building = options;
+  std::function<bool(float)> refining;
+  if (options.progress) {
+    building.progress = [&](float done) { return options.progress(share * done); };
+    refining = [&](float done) { return options.progress(share + (1.0f - share) * done); };
+  }
+  BinaryTree tree = construct(geometry, building);
+  refine(tree, options, refining);
+  return tree;
+}
 
 std::shared_ptr<Structure> lay_out_tree(const Geometry& geometry, const BinaryTree& tree, unsigned threads) {
   LaidOut laid_out =
@@ -104,8 +126,9 @@ std::size_t build_memory_bound(std::size_t triangles, const BuildOptions& option
   // Lists of meshes and of tasks, and what allocators add to an array.
   constexpr std::size_t small_things = std::size_t{1} << 16;
   const std::size_t references = max_references(triangles, options);
-  return small_things + std::max(find_builder(options.builder)->memory_bound(triangles, options),
-                                 binary_tree_bytes(references) + layout_memory_bound(references));
+  return small_things + std::max({find_builder(options.builder)->memory_bound(triangles, options),
+                                  refinement_memory_bound(references, options),
+                                  binary_tree_bytes(references) + layout_memory_bound(references)});
 }
 
 }  // namespace kerf

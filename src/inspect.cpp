@@ -1,3 +1,4 @@
+#include <optional>
 #include <utility>
 
 #include <kerf/inspect.hpp>
@@ -6,9 +7,9 @@
 #include "base/out_of_memory.hpp"
 #include "base/parallel.hpp"
 #include "build.hpp"
-#include "construction/construct.hpp"
 #include "structure.hpp"
 #include "traversal/dispatch.hpp"
+#include "traversal/rays/tree_ray.hpp"
 #include "tree/measures/counts.hpp"
 #include "tree/measures/epo.hpp"
 #include "tree/measures/lcv.hpp"
@@ -22,7 +23,7 @@ struct TreeContent {
   BinaryTree tree;
 
   TreeContent(std::span<const TriangleMesh> given, const BuildOptions& options)
-      : meshes(given.begin(), given.end()), tree(construct(geometry, options)) {}
+      : meshes(given.begin(), given.end()), tree(make_tree(geometry, options)) {}
 
   static Tree share(std::shared_ptr<const TreeContent> content) { return Tree(std::move(content)); }
 
@@ -102,6 +103,21 @@ Estimate estimate_end_point_overlap(const Tree& tree) {
 double leaf_count_variability(const Tree& tree) {
   return measured(tree,
                   [](const BinaryTree& binary, const Geometry&) { return leaf_count_variability(binary); });
+}
+
+std::optional<Hit> intersect(const Tree& tree, const Ray& ray, TraversalCounters& counters) {
+  const TreeContent& content = TreeContent::of(tree);
+  Hit hit = trace_tree(content.tree, content.geometry, ray, false, counters);
+  if (!hit) return std::nullopt;
+  const PrimitiveId id = content.geometry.locate(hit.primitive);
+  hit.primitive = id.primitive;
+  hit.mesh = id.mesh;
+  return hit;
+}
+
+bool occluded(const Tree& tree, const Ray& ray, TraversalCounters& counters) {
+  const TreeContent& content = TreeContent::of(tree);
+  return static_cast<bool>(trace_tree(content.tree, content.geometry, ray, true, counters));
 }
 
 Layout layout(const Bvh& bvh) {

@@ -46,6 +46,12 @@ std::string checksum_of_file(const workbench::Scene& scene, Builder builder, std
   return checksum_of(std::span<const char>(read_bytes(directory / "scene.kerf")));
 }
 
+std::string checksum_of_refined_file(const workbench::Scene& scene, kerf::Quality quality) {
+  const TemporaryDirectory directory;
+  kerf_tests::build_with_node_width(scene.mesh(), {.quality = quality}, 16).save(directory / "scene.kerf");
+  return checksum_of(std::span<const char>(read_bytes(directory / "scene.kerf")));
+}
+
 std::string checksum_of_hits(const workbench::Scene& scene, const kerf::Bvh& bvh) {
   std::vector<kerf::Hit> all;
   for (const workbench::RayType type : {workbench::RayType::primary, workbench::RayType::diffuse}) {
@@ -115,6 +121,22 @@ TEST(Determinism, FilesAreTheSameOnEveryMachine) {
       EXPECT_EQ(checksum_of_file(scene, Builder::sbvh, 8), expected.sbvh_8);
       EXPECT_EQ(checksum_of_file(scene, Builder::sbvh, 4), expected.sbvh_4);
     });
+  }
+}
+
+TEST(Determinism, RefinedTreesAreTheSameOnEveryMachine) {
+  struct Expected {
+    std::string_view scene, high, best;
+  };
+  for (const Expected& expected : {
+           Expected{"atrium", "ed156f85e35226d4", "ed86d94350f9d8f8"},
+           Expected{"city", "b5f4fec31c499cc1", "579ec721c1531fbe"},
+           Expected{"sticks", "63d6ec0b7f84429e", "f17e635887302fb4"},
+       }) {
+    SCOPED_TRACE(expected.scene);
+    const workbench::Scene scene = make_scene(expected.scene);
+    EXPECT_EQ(checksum_of_refined_file(scene, kerf::Quality::high), expected.high);
+    EXPECT_EQ(checksum_of_refined_file(scene, kerf::Quality::best), expected.best);
   }
 }
 

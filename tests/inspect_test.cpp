@@ -1,5 +1,6 @@
 // What tools see between the stages is what `build` does.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <random>
@@ -103,6 +104,40 @@ TEST_F(Inspect, CountedRaysHitAsOthersDo) {
   EXPECT_GT(counters.steps, 0u);
   EXPECT_GT(counters.leaves, 0u);
   EXPECT_GE(counters.triangle_tests, counters.leaves);
+}
+
+// Rays of all lengths, along the axes, from and through vertices, with ranges that end at hits.
+TEST_F(Inspect, BinaryTreesAreHitWhereHierarchiesAre) {
+  for (const BuilderInfo& info : builders()) {
+    SCOPED_TRACE(info.name);
+    BuildOptions with = options;
+    with.builder = info.builder;
+    const Tree tree = build_tree(meshes(), with);
+    const Bvh bvh = make_bvh(tree);
+    std::mt19937 random(7);
+    TraversalCounters counters, wide;
+    std::size_t hits = 0;
+    for (int i = 0; i < 3000; ++i) {
+      Ray ray{.origin = adversarial::uniform_point(random, 1.5f),
+              .direction = adversarial::uniform_point(random, 1.0f)};
+      if (i % 3 == 0) ray.direction = first.vertices[random() % first.vertices.size()] - ray.origin;
+      if (i % 5 == 0) ray.origin = second.vertices[random() % second.vertices.size()];
+      if (i % 7 == 0) ray.direction[static_cast<int>(random() % 3)] = 0.0f;
+      if (i % 11 == 0) ray.direction = std::ldexp(1.0f, i % 240 - 120) * ray.direction;
+      const auto hit = bvh.intersect(ray);
+      if (hit && i % 2 == 0) (i % 4 == 0 ? ray.t_max : ray.t_min) = hit->t;
+      const auto expected = bvh.intersect(ray);
+      hits += expected.has_value();
+      EXPECT_EQ(intersect(tree, ray, counters), expected);
+      EXPECT_EQ(occluded(tree, ray, counters), bvh.occluded(ray));
+      (void)intersect(bvh, ray, wide);
+    }
+    EXPECT_GT(hits, 500u);
+    EXPECT_GT(counters.steps, wide.steps) << "a wide step does the work of several";
+  }
+  TraversalCounters counters;
+  EXPECT_FALSE(intersect(Tree(), Ray{.direction = {0, 0, 1}}, counters));
+  EXPECT_FALSE(occluded(Tree(), Ray{.direction = {0, 0, 1}}, counters));
 }
 
 TEST_F(Inspect, JoinedMeshesAreOne) {

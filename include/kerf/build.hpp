@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 
 #include <kerf/bvh.hpp>
@@ -21,6 +22,13 @@ enum class Builder {
   evh,   ///< edge volume heuristic (Dammertz & Keller 2008), for comparison
 };
 
+/// How much time a build spends on the tree, beside what its builder does.
+enum class Quality {
+  fast,  ///< none
+  high,  ///< subtrees with large boxes are moved to better places: a third to a half more time
+  best,  ///< all subtrees, until no move pays: five to twenty times as long
+};
+
 /// What becomes of triangles with a vertex that is not a number, infinite, or 2^126 and more.
 enum class NonFinite {
   refuse,  ///< the build throws `Error::non_finite_vertex`, which names the first
@@ -30,6 +38,15 @@ enum class NonFinite {
 /// How to build. The defaults suit most uses.
 struct BuildOptions {
   Builder builder = Builder::sbvh;  ///< which hierarchy
+
+  /// How good a tree to make. `high` and `best` move subtrees to where they cost less (Meister & Bittner
+  /// 2018, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization"), parts of divided triangles
+  /// included.
+  Quality quality = Quality::fast;
+
+  /// `high` and `best` end after this many seconds with what they have. How far they come then depends on the
+  /// machine: only without a limit is the tree the same everywhere. Range: [0, infinity].
+  double max_refinement_seconds = std::numeric_limits<double>::infinity();
 
   /// A spatial split is tried where the children of the best object split overlap by more than this fraction
   /// of the root's surface area (Stich et al. 2009, section 4.5). It is tried neither in nodes of fewer than

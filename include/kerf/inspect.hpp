@@ -94,6 +94,16 @@ KERF_API std::optional<Hit> intersect(const Bvh& bvh, const Ray& ray, TraversalC
 /// The same traversal as `Bvh::occluded`, which adds to `counters` what it did.
 KERF_API bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounters& counters);
 
+/// The closest hit by way of the binary tree itself, one node at a time: two boxes a step, the nearer child
+/// first, and a stack. That is the traversal of the figures in Stich et al. 2009 (its kernels are those of
+/// Aila & Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs"), with which trees are compared
+/// that wide nodes level out. The hit is that of `Bvh::intersect`, which is several times as fast. Adds to
+/// `counters` what it did.
+KERF_API std::optional<Hit> intersect(const Tree& tree, const Ray& ray, TraversalCounters& counters);
+
+/// The same for any hit, as `Bvh::occluded`.
+KERF_API bool occluded(const Tree& tree, const Ray& ray, TraversalCounters& counters);
+
 /// Highway's name of the instruction set that hierarchies are traced with from now on: the best of this
 /// machine, or the one that the environment variable KERF_TARGET names.
 KERF_API std::string_view instruction_set();

@@ -23,6 +23,14 @@ void check_options(const BuildOptions& options) {
     raise(Error::invalid_argument, "non_finite is %d, which means nothing",
           static_cast<int>(options.non_finite));
   }
+  if (options.quality != Quality::fast && options.quality != Quality::high &&
+      options.quality != Quality::best) {
+    raise(Error::invalid_argument, "quality is %d, which means nothing", static_cast<int>(options.quality));
+  }
+  if (!(options.max_refinement_seconds >= 0.0)) {
+    raise(Error::invalid_argument, "max_refinement_seconds is %g, but must not be negative",
+          options.max_refinement_seconds);
+  }
   if (find_builder(options.builder) == nullptr) {
     raise(Error::invalid_argument, "builder is %d, which names none", static_cast<int>(options.builder));
   }

@@ -29,6 +29,9 @@ TEST(Options, OutOfTheirRangesAreRefused) {
   for (const std::uint32_t size : {0u, 9u})
     EXPECT_EQ(code_of({.max_leaf_size = size}), Error::invalid_argument);
   EXPECT_EQ(code_of({.non_finite = static_cast<NonFinite>(2)}), Error::invalid_argument);
+  EXPECT_EQ(code_of({.quality = static_cast<Quality>(3)}), Error::invalid_argument);
+  for (const double seconds : {-1.0, double{nan}})
+    EXPECT_EQ(code_of({.max_refinement_seconds = seconds}), Error::invalid_argument);
   EXPECT_EQ(code_of({.builder = static_cast<Builder>(99)}), Error::invalid_argument);
 }
 

@@ -55,6 +55,16 @@ TEST(BuildMemory, PeakOfAFineSurfaceIsAsReported) {
   expect_honest_at_all_ratios(workbench::make_sphere(6).mesh());
 }
 
+TEST(BuildMemory, PeakOfARefinementIsAsReported) {
+  const workbench::Scene atrium = workbench::load_scene("atrium:detail=0.1,rotate=30");
+  for (const Quality quality : {Quality::high, Quality::best}) {
+    for (const std::uint32_t leaf : {1u, 8u}) {
+      SCOPED_TRACE(testing::Message() << "quality " << static_cast<int>(quality) << ", leaf " << leaf);
+      expect_honest(atrium.mesh(), {.quality = quality, .max_leaf_size = leaf});
+    }
+  }
+}
+
 // Every leaf holds one reference, most triangles are divided, and the arena has little room.
 TEST(BuildMemory, PeakOfSticksIsAsReported) {
   expect_honest_at_all_ratios(kerf_tests::random_triangles(20000, 0.5f, 0.001f).mesh());

@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "construction/construct.hpp"
+#include "build.hpp"
 #include "layout/change_width.hpp"
 #include "layout/lay_out.hpp"
 #include "structure.hpp"
@@ -19,7 +19,7 @@ kerf::Bvh with_node_width(const kerf::Bvh& bvh, std::uint32_t width) {
 kerf::Bvh build_with_node_width(const kerf::TriangleMesh& mesh, const kerf::BuildOptions& options,
                                 std::uint32_t width) {
   const kerf::Geometry geometry(std::span(&mesh, 1));
-  const kerf::BinaryTree tree = kerf::construct(geometry, options);
+  const kerf::BinaryTree tree = kerf::make_tree(geometry, options);
   const auto first = geometry.first_triangles();
   return kerf::Structure::share(kerf::make_structure(kerf::make_wide_bvh(geometry, tree, width).wide,
                                                      {first.begin(), first.end()},
