@@ -70,15 +70,27 @@ BuilderInfo parse_builder(const std::string& option, const std::string& text) {
          fmt::format("there is no builder '{}'; the builders are {}", text, builder_names(", ", " and ")));
 }
 
-std::vector<BuilderInfo> parse_builders(const std::string& option, const std::string& text) {
-  std::vector<BuilderInfo> builders;
+std::vector<NamedBuild> parse_builders(const std::string& option, const std::string& text) {
+  std::vector<NamedBuild> builds;
   for (const std::string& word : split(text, ',')) {
-    const bool is_known = std::any_of(builders.begin(), builders.end(),
-                                      [&](const BuilderInfo& info) { return info.name == word; });
-    if (is_known) refuse(option, fmt::format("{} is named twice", word));
-    builders.push_back(parse_builder(option, word));
+    const std::size_t colon = word.find(':');
+    const BuilderInfo info = parse_builder(option, word.substr(0, colon));
+    NamedBuild build{.name = word, .options = {.builder = info.builder}};
+    if (colon != std::string::npos) build.options.quality = parse_quality(option, word.substr(colon + 1));
+    if (build.options.quality == kerf::Quality::fast) build.name = info.name;
+    const auto is_same = [&](const NamedBuild& other) { return other.name == build.name; };
+    if (std::any_of(builds.begin(), builds.end(), is_same))
+      refuse(option, fmt::format("{} is named twice", build.name));
+    builds.push_back(std::move(build));
   }
-  return builders;
+  return builds;
+}
+
+kerf::Quality parse_quality(const std::string& option, const std::string& text) {
+  if (text == "fast") return kerf::Quality::fast;
+  if (text == "high") return kerf::Quality::high;
+  if (text == "best") return kerf::Quality::best;
+  refuse(option, fmt::format("must be {}, not '{}'", quality_names, text));
 }
 
 float parse_alpha(const std::string& option, const std::string& text) {
@@ -93,6 +105,19 @@ std::vector<float> parse_alphas(const std::string& option, const std::string& te
   std::vector<float> alphas;
   for (const std::string& word : split(text, ',')) alphas.push_back(parse_alpha(option, word));
   return alphas;
+}
+
+std::vector<float> parse_budgets(const std::string& option, const std::string& text) {
+  std::vector<float> budgets;
+  for (const std::string& word : split(text, ',')) {
+    float budget = 0.0f;
+    if (!read(word, budget) || !(budget >= 1.0f && budget <= 16.0f))
+      refuse(option, fmt::format("must be numbers from 1 to 16, not '{}'", word));
+    if (std::find(budgets.begin(), budgets.end(), budget) != budgets.end())
+      refuse(option, fmt::format("{} is named twice", word));
+    budgets.push_back(budget);
+  }
+  return budgets;
 }
 
 unsigned parse_whole(const std::string& option, const std::string& text, unsigned min, unsigned max) {

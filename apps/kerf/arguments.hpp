@@ -27,17 +27,30 @@ inline constexpr unsigned max_threads = 1024;
 /// The names of all builders, with `last` before the last one: `bvh, sbvh, esc or evh`.
 std::string builder_names(std::string_view separator = ", ", std::string_view last = " or ");
 
-/// `bvh,sbvh`: one or more builders, none twice.
-std::vector<kerf::BuilderInfo> parse_builders(const std::string& option, const std::string& text);
+/// A builder and a quality, and the name that tables give the two: `sbvh`, or `sbvh:best`.
+struct NamedBuild {
+  std::string name;
+  kerf::BuildOptions options;
+};
+
+/// `bvh,sbvh,sbvh:best`: one or more builders, each with the quality behind the colon, none twice.
+std::vector<NamedBuild> parse_builders(const std::string& option, const std::string& text);
 
 /// One builder, by its name.
 kerf::BuilderInfo parse_builder(const std::string& option, const std::string& text);
+
+/// `fast`, `high` or `best`.
+inline constexpr const char* quality_names = "fast, high or best";
+kerf::Quality parse_quality(const std::string& option, const std::string& text);
 
 /// A number from 0 to 1.
 float parse_alpha(const std::string& option, const std::string& text);
 
 /// `1,0.1,0`: one or more such numbers.
 std::vector<float> parse_alphas(const std::string& option, const std::string& text);
+
+/// `1.1,1.5,2`: one or more numbers from 1 to 16, none twice.
+std::vector<float> parse_budgets(const std::string& option, const std::string& text);
 
 /// A whole number from `min` to `max`.
 unsigned parse_whole(const std::string& option, const std::string& text, unsigned min, unsigned max);

@@ -36,6 +36,7 @@ struct BenchArguments {
   std::string threads = "0";
   std::string peers = "embree";
   std::string rays = "made";
+  std::string quality = "fast";
   std::string peer_isa = automatic;
   std::string json;
   std::string format;
@@ -77,8 +78,7 @@ std::vector<RaysMade> rays_made(const std::string& rays) {
 // kerf, and Embree with the fastest of `isas`, unless there are none.
 std::vector<Engine> make_engines(const Scene& scene, const std::vector<std::string>& isas,
                                  const BenchOptions& options) {
-  kerf::BuildOptions build;
-  build.threads = options.threads;
+  const kerf::BuildOptions build{.quality = options.quality, .threads = options.threads};
   std::vector<Engine> engines{kerf_engine(build, KERF_VERSION)};
   if (isas.empty()) return engines;
   for (Engine& engine : embree_engines(options.threads, fastest_isa(scene, isas, options))) {
@@ -90,6 +90,7 @@ std::vector<Engine> make_engines(const Scene& scene, const std::vector<std::stri
 void bench(const BenchArguments& arguments) {
   unsigned threads = parse_whole("--threads", arguments.threads, 0, max_threads);
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  const kerf::Quality quality = parse_quality("--quality", arguments.quality);
   if (!arguments.json.empty()) require_writable(arguments.json);
   const std::vector<Scene> scenes = load_scenes(arguments.scenes, arguments.format);
   const std::vector<std::string> isas = peer_isas(arguments);
@@ -102,6 +103,7 @@ void bench(const BenchArguments& arguments) {
       BenchOptions options;
       options.threads = threads;
       options.limits = arguments.limits;
+      options.quality = quality;
       options.rays_made = rays_made(arguments.rays);
       options.progress = [&](double fraction, std::string_view what) {
         bar.show((static_cast<double>(i) + fraction) / static_cast<double>(scenes.size()), what);
@@ -144,6 +146,8 @@ void add_bench_command(CLI::App& app) {
           "--rays", arguments->rays,
           "Where single rays are: made right before each call, ready in an array, or both, interleaved")
       ->check(CLI::IsMember({"made", "array", "both"}))
+      ->capture_default_str();
+  command->add_option("--quality", arguments->quality, std::string(quality_names) + ": of kerf's tree")
       ->capture_default_str();
   command
       ->add_option("--peer-isa", arguments->peer_isa,

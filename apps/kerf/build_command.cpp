@@ -16,10 +16,15 @@
 namespace kerf_tool {
 namespace {
 
+// A year: a longer time is a mistake.
+constexpr double max_seconds = 365.0 * 24.0 * 3600.0;
+
 struct Options {
   std::string scene;
   std::string output;
   std::string builder = "sbvh";
+  std::string quality = "fast";
+  std::string seconds;
   std::string alpha = "1e-5";
   std::string threads = "0";
   std::string format;
@@ -55,6 +60,9 @@ void run(const Options& options) {
   workbench::ProgressBar bar;
   kerf::BuildOptions build;
   build.builder = parse_builder("--builder", options.builder).builder;
+  build.quality = parse_quality("--quality", options.quality);
+  if (!options.seconds.empty())
+    build.max_refinement_seconds = parse_number("--seconds", options.seconds, 0.0, max_seconds);
   build.alpha = parse_alpha("--alpha", options.alpha);
   build.threads = parse_whole("--threads", options.threads, 0, max_threads);
   build.progress = [&](float fraction) {
@@ -92,6 +100,13 @@ void add_build_command(CLI::App& app) {
   command->add_option("--builder", options->builder, builder_names())
       ->type_name(builder_names("|", "|"))
       ->capture_default_str();
+  command->add_option("--quality", options->quality, std::string(quality_names) + ": how good a tree")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option("--seconds", options->seconds,
+                   "Improve the tree for so long at most; it then depends on the speed of the machine")
+      ->type_name("S");
   command->add_option("--alpha", options->alpha, "Overlap above which a spatial split is tried, from 0 to 1")
       ->type_name("A")
       ->capture_default_str();

@@ -1,4 +1,6 @@
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "arguments.hpp"
 #include "commands.hpp"
@@ -24,9 +26,9 @@ void run(const Options& options, const std::string& command_line) {
                           .device = options.device,
                           .format_table = workbench::format_comparison};
   const float alpha = parse_alpha("--alpha", options.alpha);
-  for (const kerf::BuilderInfo& info : parse_builders("--builders", options.builders)) {
-    measurement.contenders.push_back(
-        {.name = std::string(info.name), .options = {.builder = info.builder, .alpha = alpha}});
+  for (NamedBuild& build : parse_builders("--builders", options.builders)) {
+    build.options.alpha = alpha;
+    measurement.contenders.push_back({.name = std::move(build.name), .options = build.options});
   }
   measure_and_write(measurement);
 }
@@ -37,7 +39,10 @@ void add_compare_command(CLI::App& app, const std::string& command_line) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("compare", "Build with several builders and trace the same rays");
   command->add_option("SCENE", options->scenes, scene_help)->type_name("")->required();
-  command->add_option("--builders", options->builders, "Which builders, separated by commas")
+  command
+      ->add_option("--builders", options->builders,
+                   "Which builders, separated by commas; sbvh:best is one with a quality, " +
+                       std::string(quality_names))
       ->type_name("LIST")
       ->capture_default_str();
   command->add_option("--alpha", options->alpha, "Overlap above which a spatial split is tried, from 0 to 1")
@@ -45,7 +50,9 @@ void add_compare_command(CLI::App& app, const std::string& command_line) {
       ->capture_default_str();
   command
       ->add_option("--device", options->device,
-                   "What traces: cpu, or cuda for an NVIDIA GPU, which traces a binary and a wide tree")
+                   "What traces: cpu; binary, the CPU through the builders' own trees, one node at a time, "
+                   "and through "
+                   "wide ones; or cuda for an NVIDIA GPU, which traces a binary and a wide tree, too")
       ->type_name("DEVICE")
       ->capture_default_str();
   add_options(*command, options->measuring);

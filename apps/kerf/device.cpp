@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "workbench/compare/binary_device.hpp"
+
 #ifdef KERF_CUDA
 #include "bindings/cuda/compare/cuda_device.hpp"
 #endif
@@ -11,9 +13,10 @@ namespace kerf_tool {
 
 std::unique_ptr<workbench::TracingDevice> open_device(const std::string& name) {
   if (name == "cpu") return nullptr;
+  if (name == "binary") return workbench::open_binary_device();
   if (name != "cuda")
     throw CLI::ValidationError("--device",
-                               fmt::format("there is no device {}; there are cpu and cuda", name));
+                               fmt::format("there is no device {}; there are cpu, binary and cuda", name));
 #ifdef KERF_CUDA
   return kerf::cuda::open_cuda_device();
 #else

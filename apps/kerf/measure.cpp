@@ -26,8 +26,8 @@ using namespace workbench;
 constexpr unsigned min_rounds = 3;
 constexpr unsigned max_rounds = 1000;
 
-// Of each viewpoint: a device with thousands of cores is idle with fewer.
-constexpr RaySetOptions device_rays{.width = 1024, .height = 768};
+// Of each viewpoint: a GPU with thousands of cores is idle with fewer.
+constexpr RaySetOptions gpu_rays{.width = 1024, .height = 768};
 
 // The checked options of a measurement.
 struct Plan {
@@ -38,10 +38,11 @@ struct Plan {
   bool print_tables = true;
 };
 
-Plan check(const MeasureOptions& given, bool on_device) {
+Plan check(const MeasureOptions& given, bool on_device, bool on_gpu) {
   Plan plan;
   if (on_device && !given.report.empty())
-    throw CLI::ValidationError("--report", "shows what the CPU traces, which --device excludes");
+    throw CLI::ValidationError("--report",
+                               "shows what the CPU traces through wide nodes, which --device excludes");
   plan.json = given.json;
   plan.report = given.report;
   plan.print_tables = given.json != standard_output;
@@ -50,8 +51,8 @@ Plan check(const MeasureOptions& given, bool on_device) {
     const PictureSize pixels = parse_size("--pixels", given.pixels);
     plan.compare.rays = {.width = pixels.width, .height = pixels.height};
     plan.compare.bound_rays = false;
-  } else if (on_device) {
-    plan.compare.rays = device_rays;
+  } else if (on_gpu) {
+    plan.compare.rays = gpu_rays;
   }
   if (!given.rounds.empty()) {
     plan.compare.rounds = parse_whole("--rounds", given.rounds, min_rounds, max_rounds);
@@ -126,7 +127,7 @@ void add_options(CLI::App& command, MeasureOptions& options) {
   command
       .add_option("--pixels", options.pixels,
                   "WIDTHxHEIGHT of each viewpoint, one primary ray per pixel; if not given, 256x192, on a "
-                  "device 1024x768")
+                  "GPU 1024x768")
       ->type_name("WxH");
   command
       .add_option("--rounds", options.rounds,
@@ -148,7 +149,7 @@ void add_options(CLI::App& command, MeasureOptions& options) {
 
 void measure_and_write(const Measurement& measurement) {
   const std::unique_ptr<TracingDevice> device = open_device(measurement.device);
-  Plan plan = check(measurement.options, device != nullptr);
+  Plan plan = check(measurement.options, device != nullptr, measurement.device == "cuda");
   plan.compare.device = device.get();
   const std::vector<Scene> scenes = load_scenes(measurement.specs, measurement.options.format);
   const std::vector<ReportScene> measured = measure(measurement, plan, scenes);

@@ -1,5 +1,6 @@
 // The command-line tool, run as a user runs it: exit statuses, JSON, tables, pictures.
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -97,6 +98,15 @@ TEST(Tool, BadUsageIsStatusTwoAndOneLine) {
                                       "compare --rounds 2 sticks",
                                       "compare --pixels 0x9 sticks",
                                       "compare --device gpu sticks",
+                                      "compare --builders sbvh:good sticks",
+                                      "compare --builders sbvh,sbvh:fast sticks",
+                                      "build sticks -o x.kerf --quality good",
+                                      "build sticks -o x.kerf --quality best --seconds -1",
+                                      "bench sticks --quality good",
+                                      "sweep sticks --budgets 0.5",
+                                      "sweep sticks --budgets 2,2",
+                                      "sweep sticks --budgets 2 --alphas 0",
+                                      "sweep sticks --builders sbvh",
                                       "compare --no-such-option sticks",
                                       "bench sticks --rays ready",
                                       "bench sticks --peer-isa mmx",
@@ -187,6 +197,50 @@ TEST(Tool, EscAndEvhGetAtMostTheReferencesOfTheSbvhThatIsNotAsked) {
   ASSERT_EQ(without.size(), 2u);
   EXPECT_EQ(without[0]["references"], with[2]["references"]);
   EXPECT_EQ(without[1]["references"], with[3]["references"]);
+}
+
+TEST(Tool, QualitiesAreContendersWhoseTreesCostLess) {
+  const Json builders =
+      Json::parse(run_tool("compare " + small + quick + " --builders sbvh,sbvh:high,sbvh:best --json -")
+                      .output)["scenes"][0]["builders"];
+  ASSERT_EQ(builders.size(), 3u);
+  EXPECT_EQ(builders[0]["name"], "sbvh");
+  EXPECT_EQ(builders[1]["name"], "sbvh:high");
+  EXPECT_EQ(builders[2]["name"], "sbvh:best");
+  EXPECT_LT(builders[1]["sah"], builders[0]["sah"]);
+  EXPECT_LT(builders[2]["sah"], builders[1]["sah"]);
+}
+
+// The setting of the paper's figures beside kerf's own.
+TEST(Tool, BinaryTreesTakeMoreStepsThanWideOnesAndFindTheSame) {
+  const Outcome outcome =
+      run_tool("compare " + small + quick + " --builders bvh,sbvh --device binary --json -");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;  // which it is not where hits differ
+  const Json builders = Json::parse(outcome.output)["scenes"][0]["builders"];
+  ASSERT_EQ(builders.size(), 4u);
+  for (std::size_t i = 0; i < 4; i += 2) {
+    EXPECT_EQ(builders[i]["structure"], "binary");
+    EXPECT_EQ(builders[i + 1]["structure"], "wide");
+    for (const char* type : {"primary", "ao", "diffuse"})
+      EXPECT_GT(builders[i]["rays"][type]["steps"],
+                1.5 * builders[i + 1]["rays"][type]["steps"].get<double>());
+  }
+}
+
+TEST(Tool, SweepOverBudgetsGivesEachBuilderAsManyReferencesAsTheSbvhHas) {
+  const Json builders = Json::parse(run_tool("sweep conference:detail=0.05,rotate=20" + quick +
+                                             " --budgets 1,1.1,2 --builders sbvh,esc --json -")
+                                        .output)["scenes"][0]["builders"];
+  ASSERT_EQ(builders.size(), 6u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Json &sbvh = builders[i], &esc = builders[i + 3];
+    EXPECT_EQ(sbvh["name"], "sbvh");
+    EXPECT_EQ(esc["name"], "esc");
+    EXPECT_EQ(sbvh["max_reference_ratio"], (std::array{1.0, 1.1, 2.0})[i]);
+    EXPECT_LE(esc["references"], sbvh["references"]);
+    EXPECT_GE(esc["references"], 0.9 * sbvh["references"].get<double>());
+    if (i > 0) EXPECT_GT(sbvh["references"], builders[i - 1]["references"]);
+  }
 }
 
 TEST(Tool, TheTableInAPipeMarksTheBestAndHasNoEscapes) {

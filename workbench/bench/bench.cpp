@@ -169,9 +169,8 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
     }
   }
 
-  kerf::BuildOptions defaults;
-  defaults.threads = options.threads;
-  const kerf::Bvh bvh = kerf::build(mesh, defaults);
+  const kerf::BuildOptions build_options{.quality = options.quality, .threads = options.threads};
+  const kerf::Bvh bvh = kerf::build(mesh, build_options);
   const RaySetOptions pixels = affordable(scene, bvh, options.rays);
   if (options.limits) figures.limits = {.times = measure_steps(), .counts = {}};
   double fraction = 0.5;
@@ -184,7 +183,7 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
     if (figures.limits) figures.limits->counts[static_cast<std::size_t>(type)] = count_steps(bvh, set);
   }
 
-  const kerf::Tree tree = kerf::build_tree(mesh, defaults);
+  const kerf::Tree tree = kerf::build_tree(mesh, build_options);
   figures.sah = kerf::surface_area_cost(tree);
   figures.references = tree.references().size();
   figures.remarks = remarks_on(figures);

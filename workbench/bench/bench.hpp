@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include <kerf/build.hpp>
+
 #include "workbench/bench/limits.hpp"
 #include "workbench/bench/peers/engine.hpp"
 #include "workbench/rays/rays.hpp"
@@ -55,8 +57,9 @@ struct BenchScene {
 
 struct BenchOptions {
   unsigned threads = 1;
-  unsigned build_rounds = 5;   ///< the best one counts; another round before them warms up
-  unsigned trace_rounds = 5;   ///< at least; another round before them warms up
+  kerf::Quality quality = kerf::Quality::fast;  ///< of the tree that is described and whose steps are counted
+  unsigned build_rounds = 5;                    ///< the best one counts; another round before them warms up
+  unsigned trace_rounds = 5;                    ///< at least; another round before them warms up
   double trace_seconds = 2.0;  ///< more rounds follow until those of one type of rays took as long
   RaySetOptions rays;
   /// Of rays that are traced one by one; of two, both are measured, interleaved as all else.

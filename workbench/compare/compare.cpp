@@ -43,22 +43,25 @@ bool pre_splits(kerf::Builder builder) {
   return builder == kerf::Builder::esc || builder == kerf::Builder::evh;
 }
 
-// Lets every builder that splits before it builds make as many references as the SBVH with the same alpha
-// has.
+// Lets every builder that splits before it builds make as many references as the SBVH with the same alpha and
+// the same bound of its references has.
 std::vector<Contender> with_equal_references(const kerf::TriangleMesh& mesh,
                                              std::span<const Contender> contenders, unsigned threads) {
   std::vector<Contender> result(contenders.begin(), contenders.end());
-  std::map<float, std::size_t> references_at_alpha;
+  std::map<std::pair<float, float>, std::size_t> references_of_sbvh;
   for (Contender& contender : result) {
     contender.options.threads = threads;
     if (!pre_splits(contender.options.builder) || contender.options.presplit_references != 0) continue;
-    const auto [place, is_new] = references_at_alpha.try_emplace(contender.options.alpha, 0);
+    kerf::BuildOptions options = contender.options;
+    options.quality = kerf::Quality::fast;  // a better tree has the same references
+    const auto [place, is_new] =
+        references_of_sbvh.try_emplace({options.alpha, options.max_reference_ratio}, 0);
     if (is_new) {
-      kerf::BuildOptions options = contender.options;
-      options.builder = kerf::Builder::sbvh;
-      place->second = count_references(mesh, options);
+      kerf::BuildOptions sbvh = options;
+      sbvh.builder = kerf::Builder::sbvh;
+      place->second = count_references(mesh, sbvh);
     }
-    contender.options.presplit_references = presplit_references_for(place->second, mesh, contender.options);
+    contender.options.presplit_references = presplit_references_for(place->second, mesh, options);
   }
   return result;
 }
@@ -87,6 +90,7 @@ class Measurement {
         figures.name = contender.name;
         figures.structure = structure;
         figures.alpha = contender.options.alpha;
+        figures.budget = contender.options.max_reference_ratio;
         figures.build_ms = std::numeric_limits<double>::infinity();
       }
     }
@@ -203,7 +207,8 @@ class Measurement {
       builders[i].rays[place] = {.count = set.rays.size(),
                                  .hits = pass.hit_count,
                                  .steps = per_ray * static_cast<double>(pass.steps),
-                                 .triangle_tests = per_ray * static_cast<double>(pass.triangle_tests)};
+                                 .triangle_tests = per_ray * static_cast<double>(pass.triangle_tests),
+                                 .leaf_visits = per_ray * static_cast<double>(pass.leaf_visits)};
       if (i == 0 && options_.device == nullptr)
         expected = std::move(pass.hits);
       else

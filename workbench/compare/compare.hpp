@@ -28,6 +28,7 @@ struct RayFigures {
   std::size_t hits = 0;
   double steps = 0.0;               ///< inner-node visits per ray
   double triangle_tests = 0.0;      ///< triangle tests per ray
+  double leaf_visits = 0.0;         ///< per ray; 0 where a device does not count them
   double median_mrays_per_s = 0.0;  ///< in the middle one of the rounds
   double mrays_per_s = 0.0;  ///< on one thread (see `time_slices`) or on the device, the builders in turn
 };
@@ -37,6 +38,7 @@ struct BuilderFigures {
   std::string name;
   std::string structure = {};  ///< the form of the tree that a device traces; empty on the CPU
   float alpha = 0.0f;
+  float budget = 0.0f;    ///< `max_reference_ratio`
   double build_ms = 0.0;  ///< best of the rounds; esc and evh include the search for their threshold
   double sah = 0.0;
   double epo = 0.0;

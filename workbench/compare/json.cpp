@@ -18,6 +18,7 @@ Json to_json(const RayFigures& rays) {
           {"hits", rays.hits},
           {"steps", rays.steps},
           {"triangle_tests", rays.triangle_tests},
+          {"leaf_visits", rays.leaf_visits},
           {"mrays_per_s", rays.mrays_per_s},
           {"median_mrays_per_s", rays.median_mrays_per_s}};
 }
@@ -30,6 +31,7 @@ Json to_json(const BuilderFigures& builder) {
   Json json{{"name", builder.name}};
   if (!builder.structure.empty()) json["structure"] = builder.structure;
   json.update(Json{{"alpha", same_decimal(builder.alpha)},
+                   {"max_reference_ratio", same_decimal(builder.budget)},
                    {"build_ms", builder.build_ms},
                    {"sah", builder.sah},
                    {"epo", builder.epo},

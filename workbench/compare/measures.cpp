@@ -117,6 +117,10 @@ std::string format_alpha(float alpha) {
   return fmt::format("{:.4g}e{:.0f}", alpha / std::pow(10.0, exponent), exponent);
 }
 
+std::string name_with_budget(const BuilderFigures& builder) {
+  return fmt::format("{} {}", builder.name, builder.budget);
+}
+
 std::string format_count(std::size_t count) {
   if (count < 1000) return fmt::format("{}", count);
   return fmt::format("{},{:03}", format_count(count / 1000), count % 1000);

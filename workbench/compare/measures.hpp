@@ -41,6 +41,9 @@ std::string format_ratio(double value, double base);
 /// 0.5 as `0.5`, one in a hundred thousand as `1e-5`.
 std::string format_alpha(float alpha);
 
+/// What a builder is called where several budgets of references are compared: `sbvh 1.5`.
+std::string name_with_budget(const BuilderFigures& builder);
+
 /// 1234567 as `1,234,567`.
 std::string format_count(std::size_t count);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -74,6 +75,28 @@ void append_bars(std::vector<Column>& columns, const std::vector<double>& values
   columns.push_back(std::move(column));
 }
 
+// Cost, references and speed behind a first column that says what was varied.
+std::string format_varied(const SceneFigures& scene, Emphasis emphasis, Column varied) {
+  std::vector<Column> columns{std::move(varied)};
+  const auto append = [&](std::string_view head, bool higher_is_better, std::string (*format)(double),
+                          auto&& value) {
+    std::vector<double> values;
+    for (const BuilderFigures& builder : scene.builders) values.push_back(value(builder));
+    append_measured(columns, head, values, higher_is_better, format);
+    append_bars(columns, values);
+  };
+  for (const auto& measure : tree_measures()) {
+    if (measure.key == "sah" || measure.key == "references") {
+      append(measure.title, measure.higher_is_better, measure.format, measure.value);
+    }
+  }
+  const auto& speed = ray_measures().back();
+  append(speed.title, speed.higher_is_better, speed.format, [](const BuilderFigures& builder) {
+    return 1e-6 * rays_per_second(builder, {RayType::primary, RayType::ao, RayType::diffuse});
+  });
+  return heading(scene) + "\n" + format(columns, emphasis) + "\n" + verdict(scene);
+}
+
 }  // namespace
 
 std::string format_comparison(const SceneFigures& scene, Emphasis emphasis) {
@@ -100,26 +123,15 @@ std::string format_comparison(const SceneFigures& scene, Emphasis emphasis) {
 }
 
 std::string format_sweep(const SceneFigures& scene, Emphasis emphasis) {
-  std::vector<Column> columns{{.head = "alpha", .cells = {}}};
-  for (const BuilderFigures& builder : scene.builders)
-    columns[0].cells.push_back({format_alpha(builder.alpha)});
-  const auto append = [&](std::string_view head, bool higher_is_better, std::string (*format)(double),
-                          auto&& value) {
-    std::vector<double> values;
-    for (const BuilderFigures& builder : scene.builders) values.push_back(value(builder));
-    append_measured(columns, head, values, higher_is_better, format);
-    append_bars(columns, values);
-  };
-  for (const auto& measure : tree_measures()) {
-    if (measure.key == "sah" || measure.key == "references") {
-      append(measure.title, measure.higher_is_better, measure.format, measure.value);
-    }
-  }
-  const auto& speed = ray_measures().back();
-  append(speed.title, speed.higher_is_better, speed.format, [](const BuilderFigures& builder) {
-    return 1e-6 * rays_per_second(builder, {RayType::primary, RayType::ao, RayType::diffuse});
-  });
-  return heading(scene) + "\n" + format(columns, emphasis) + "\n" + verdict(scene);
+  Column alphas{.head = "alpha", .cells = {}};
+  for (const BuilderFigures& builder : scene.builders) alphas.cells.push_back({format_alpha(builder.alpha)});
+  return format_varied(scene, emphasis, std::move(alphas));
+}
+
+std::string format_budgets(const SceneFigures& scene, Emphasis emphasis) {
+  Column names{.head = "budget", .cells = {}, .left_aligned = true};
+  for (const BuilderFigures& builder : scene.builders) names.cells.push_back({name_with_budget(builder)});
+  return format_varied(scene, emphasis, std::move(names));
 }
 
 }  // namespace workbench

@@ -15,4 +15,7 @@ std::string format_comparison(const SceneFigures& scene, Emphasis emphasis);
 /// One scene over alpha: cost, references and speed, each with a bar chart beside the figures.
 std::string format_sweep(const SceneFigures& scene, Emphasis emphasis);
 
+/// One scene over builders and the references that each may make: the same figures.
+std::string format_budgets(const SceneFigures& scene, Emphasis emphasis);
+
 }  // namespace workbench

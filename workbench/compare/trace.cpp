@@ -33,7 +33,7 @@ void trace(const kerf::Bvh& bvh, const RaySet& set, std::size_t begin, std::size
 
 CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned threads) {
   CountedPass pass{.hits = std::vector<kerf::Hit>(set.rays.size())};
-  std::atomic<std::size_t> steps = 0, triangle_tests = 0;
+  std::atomic<std::size_t> steps = 0, triangle_tests = 0, leaf_visits = 0;
   const auto trace_block = [&](std::size_t begin, std::size_t end) {
     kerf::TraversalCounters counters;
     for (std::size_t i = begin; i < end; ++i) {
@@ -45,10 +45,12 @@ CountedPass trace_counted(const kerf::Bvh& bvh, const RaySet& set, unsigned thre
     }
     steps += counters.steps;
     triangle_tests += counters.triangle_tests;
+    leaf_visits += counters.leaves;
   };
   on_threads(threads, [&] { parallel_for_blocks(set.rays.size(), grain, trace_block); });
   pass.steps = steps;
   pass.triangle_tests = triangle_tests;
+  pass.leaf_visits = leaf_visits;
   pass.hit_count = static_cast<std::size_t>(std::count_if(
       pass.hits.begin(), pass.hits.end(), [](const kerf::Hit& hit) { return static_cast<bool>(hit); }));
   return pass;

@@ -18,6 +18,7 @@ struct CountedPass {
   std::size_t hit_count = 0;
   std::size_t steps = 0;
   std::size_t triangle_tests = 0;
+  std::size_t leaf_visits = 0;
 };
 
 /// Traces `set` on `threads` threads, 0 for all there are, counting as it goes.

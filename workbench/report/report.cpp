@@ -33,8 +33,27 @@ constexpr std::string_view sweep_lead =
     "root’s surface. From <i>α</i>&nbsp;=&nbsp;1, the plain BVH, down to 0, where one is always tried: cost, "
     "references and speed.";
 
+constexpr std::string_view budgets_lead =
+    "Every split of a triangle costs a reference, and memory. How much speed do so many references per "
+    "triangle "
+    "buy, by spatial splits while the tree is built (<b>sbvh</b>: Stich, Friedrich &amp; Dietrich 2009) and "
+    "by "
+    "splitting beforehand? A builder whose line lies above another’s makes more of the same memory.";
+
+std::string_view lead(const Report& report) {
+  switch (report.kind) {
+    case Report::Kind::sweep:
+      return sweep_lead;
+    case Report::Kind::budgets:
+      return budgets_lead;
+    default:
+      return comparison_lead;
+  }
+}
+
 std::string page_title(const Report& report) {
   if (report.kind == Report::Kind::sweep) return "What alpha buys";
+  if (report.kind == Report::Kind::budgets) return "What references buy";
   return "What the splits bought";
 }
 
@@ -61,10 +80,9 @@ std::string masthead(const Report& report) {
       "<div><dt>Versions</dt><dd>kerf {}, {}</dd></div>\n"
       "<div><dt>Made</dt><dd>{}</dd></div>\n"
       "</dl>\n</header>\n",
-      page_title(report), report.kind == Report::Kind::sweep ? sweep_lead : comparison_lead,
-      escape_html(report.command), escape_html(machine.processor), escape_html(report.target), report.threads,
-      machine.threads, escape_html(machine.system), escape_html(report.version),
-      escape_html(machine.compiler), escape_html(report.date));
+      page_title(report), lead(report), escape_html(report.command), escape_html(machine.processor),
+      escape_html(report.target), report.threads, machine.threads, escape_html(machine.system),
+      escape_html(report.version), escape_html(machine.compiler), escape_html(report.date));
 }
 
 // The class of a builder's colour.
@@ -113,6 +131,40 @@ std::string sweep_charts(const SceneFigures& scene, std::size_t number) {
                                   [type](const BuilderFigures& b) { return b.rays[type].mrays_per_s; }));
   }
   return html_lines(cost) + html_lines(speed);
+}
+
+// A line for each builder, over the budgets.
+std::string budget_charts(const SceneFigures& scene, std::size_t number) {
+  Chart speed{.id = fmt::format("frontier-{}", number),
+              .title = "Rays per second",
+              .remark = "of all types together",
+              .x_title = "references that a build may make, per triangle",
+              .y_title = "Mrays/s",
+              .places = {},
+              .series = {}};
+  Chart references = speed;
+  references.id = fmt::format("references-{}", number);
+  references.title = "References";
+  references.remark = "that are left in the tree";
+  references.y_title = "per triangle";
+  for (const BuilderFigures& builder : scene.builders) {
+    const std::string place = fmt::format("{}", builder.budget);
+    if (std::find(speed.places.begin(), speed.places.end(), place) == speed.places.end()) {
+      speed.places.push_back(place);
+      references.places.push_back(place);
+    }
+    if (speed.series.empty() || speed.series.back().name != builder.name) {
+      const ChartSeries line{
+          .name = builder.name, .style = style_of(builder, speed.series.size()), .values = {}};
+      speed.series.push_back(line);
+      references.series.push_back(line);
+    }
+    speed.series.back().values.push_back(
+        1e-6 * rays_per_second(builder, {RayType::primary, RayType::ao, RayType::diffuse}));
+    references.series.back().values.push_back(
+        relative(static_cast<double>(builder.references), static_cast<double>(scene.triangles)));
+  }
+  return html_lines(speed) + html_lines(references);
 }
 
 std::string comparison_charts(const SceneFigures& scene, std::size_t number) {
@@ -165,9 +217,10 @@ std::string comparison_charts(const SceneFigures& scene, std::size_t number) {
 
 std::string charts(const Report& report, std::size_t i) {
   const SceneFigures& scene = report.scenes[i].figures;
-  const bool sweep = report.kind == Report::Kind::sweep;
-  return fmt::format("<div class=\"charts\">\n{}</div>\n",
-                     sweep ? sweep_charts(scene, i) : comparison_charts(scene, i));
+  const std::string all = report.kind == Report::Kind::sweep     ? sweep_charts(scene, i)
+                          : report.kind == Report::Kind::budgets ? budget_charts(scene, i)
+                                                                 : comparison_charts(scene, i);
+  return fmt::format("<div class=\"charts\">\n{}</div>\n", all);
 }
 
 // The bar of colours under the heat views, with its numbers.
@@ -201,8 +254,9 @@ std::string gallery(const Report& report, const ReportScene& scene) {
   for (std::size_t i = 0; i < scene.pictures.size(); ++i) {
     const BuilderFigures& builder = scene.figures.builders[i];
     const RayFigures& primary = builder.rays[0];
-    const std::string label =
-        report.kind == Report::Kind::sweep ? "α = " + format_alpha(builder.alpha) : builder.name;
+    const std::string label = report.kind == Report::Kind::sweep     ? "α = " + format_alpha(builder.alpha)
+                              : report.kind == Report::Kind::budgets ? name_with_budget(builder)
+                                                                     : builder.name;
     const bool is_new = i == 0 || scene.pictures[i].shaded != scene.pictures[0].shaded;
     if (is_new) {
       figures += fmt::format(
@@ -249,6 +303,8 @@ std::string section(const Report& report, std::size_t i) {
     text += fmt::format("<p class=\"facts-line\">Note: {}.</p>\n", escape_html(figures.remark));
   if (report.kind == Report::Kind::sweep) {
     text += charts(report, i) + html_sweep_table(figures) + gallery(report, scene);
+  } else if (report.kind == Report::Kind::budgets) {
+    text += charts(report, i) + html_budget_table(figures) + gallery(report, scene);
   } else {
     text += gallery(report, scene) + charts(report, i) + html_tables(figures);
   }

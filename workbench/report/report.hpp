@@ -26,6 +26,7 @@ struct Report {
   enum class Kind {
     comparison,  ///< of builders
     sweep,       ///< of one builder over alpha
+    budgets,     ///< of builders over the references that they may make
   };
   Kind kind = Kind::comparison;
   std::vector<ReportScene> scenes;

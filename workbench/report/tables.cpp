@@ -61,6 +61,22 @@ std::vector<double> values_of(const SceneFigures& scene, const Value& value) {
   return values;
 }
 
+// All measures behind a first column that says what was varied.
+std::string html_varied(const SceneFigures& scene, HtmlTable table) {
+  for (const auto& measure : tree_measures()) {
+    table.add(measure.title, measure.meaning, values_of(scene, measure.value), measure.higher_is_better,
+              measure.format);
+  }
+  const auto& speed = ray_measures().back();
+  for (std::size_t type = 0; type < std::size(ray_types); ++type) {
+    table.add(
+        fmt::format("{} {}", name(ray_types[type]), speed.title), meaning(ray_types[type]),
+        values_of(scene, [&](const BuilderFigures& builder) { return speed.value(builder.rays[type]); }),
+        speed.higher_is_better, speed.format);
+  }
+  return table.html();
+}
+
 }  // namespace
 
 std::string html_summary(std::span<const SceneFigures> scenes) {
@@ -115,19 +131,13 @@ std::string html_tables(const SceneFigures& scene) {
 std::string html_sweep_table(const SceneFigures& scene) {
   std::vector<std::string> alphas;
   for (const BuilderFigures& builder : scene.builders) alphas.push_back(format_alpha(builder.alpha));
-  HtmlTable table(scene.name, "Trees and speed by α", "α", alphas);
-  for (const auto& measure : tree_measures()) {
-    table.add(measure.title, measure.meaning, values_of(scene, measure.value), measure.higher_is_better,
-              measure.format);
-  }
-  const auto& speed = ray_measures().back();
-  for (std::size_t type = 0; type < std::size(ray_types); ++type) {
-    table.add(
-        fmt::format("{} {}", name(ray_types[type]), speed.title), meaning(ray_types[type]),
-        values_of(scene, [&](const BuilderFigures& builder) { return speed.value(builder.rays[type]); }),
-        speed.higher_is_better, speed.format);
-  }
-  return table.html();
+  return html_varied(scene, HtmlTable(scene.name, "Trees and speed by α", "α", alphas));
+}
+
+std::string html_budget_table(const SceneFigures& scene) {
+  std::vector<std::string> names;
+  for (const BuilderFigures& builder : scene.builders) names.push_back(name_with_budget(builder));
+  return html_varied(scene, HtmlTable(scene.name, "Trees and speed by budget", "budget", names));
 }
 
 std::string html_agreement(const SceneFigures& scene) {

@@ -17,6 +17,9 @@ std::string html_tables(const SceneFigures& scene);
 /// One scene over alpha.
 std::string html_sweep_table(const SceneFigures& scene);
 
+/// One scene over builders and the references that each may make.
+std::string html_budget_table(const SceneFigures& scene);
+
 /// Whether the hits of all builders agree, as a sentence.
 std::string html_agreement(const SceneFigures& scene);
 
