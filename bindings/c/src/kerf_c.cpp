@@ -164,7 +164,10 @@ kerf::BuildOptions to_options(const kerf_build_options* given) {
   if (options.builder < KERF_SBVH || options.builder > KERF_EVH) refuse("there is no such builder");
   if (options.non_finite != KERF_REFUSE && options.non_finite != KERF_SKIP)
     refuse("non_finite is neither KERF_REFUSE nor KERF_SKIP");
+  if (options.quality < KERF_FAST || options.quality > KERF_BEST) refuse("there is no such quality");
   result.builder = static_cast<kerf::Builder>(options.builder);
+  result.quality = static_cast<kerf::Quality>(options.quality);
+  if (options.max_refinement_seconds != 0.0) result.max_refinement_seconds = options.max_refinement_seconds;
   result.alpha = options.alpha;
   result.max_reference_ratio = options.max_reference_ratio;
   result.max_leaf_size = options.max_leaf_size;

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <exception>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -140,10 +141,19 @@ class Build {
   std::thread thread_;
 };
 
-BuildOptions options_of(std::string_view builder, float alpha, float max_reference_ratio,
-                        unsigned max_leaf_size, unsigned threads, bool skip_non_finite,
-                        std::size_t presplit_references) {
+Quality quality_named(std::string_view name) {
+  if (name == "fast") return Quality::fast;
+  if (name == "high") return Quality::high;
+  if (name == "best") return Quality::best;
+  throw nb::value_error("quality must be \"fast\", \"high\" or \"best\"");
+}
+
+BuildOptions options_of(std::string_view builder, std::string_view quality, double max_refinement_seconds,
+                        float alpha, float max_reference_ratio, unsigned max_leaf_size, unsigned threads,
+                        bool skip_non_finite, std::size_t presplit_references) {
   return {.builder = builder_named(builder),
+          .quality = quality_named(quality),
+          .max_refinement_seconds = max_refinement_seconds,
           .alpha = alpha,
           .max_reference_ratio = max_reference_ratio,
           .max_leaf_size = max_leaf_size,
@@ -166,37 +176,38 @@ void run(const Meshes& meshes, const BuildOptions& options, const nb::object& pr
 }
 
 Hierarchy* build(const std::vector<Rows>& vertices, const std::vector<Rows>& faces,
-                 const std::vector<std::uint32_t>& masks, const std::string& builder, float alpha,
+                 const std::vector<std::uint32_t>& masks, const std::string& builder,
+                 const std::string& quality, double max_refinement_seconds, float alpha,
                  float max_reference_ratio, unsigned max_leaf_size, unsigned threads, bool skip_non_finite,
                  std::size_t presplit_references, const nb::object& progress) {
   const Meshes meshes(vertices, faces, masks);
   Bvh bvh;
   run(meshes,
-      options_of(builder, alpha, max_reference_ratio, max_leaf_size, threads, skip_non_finite,
-                 presplit_references),
+      options_of(builder, quality, max_refinement_seconds, alpha, max_reference_ratio, max_leaf_size, threads,
+                 skip_non_finite, presplit_references),
       progress, [&](const BuildOptions& options) { bvh = meshes.build(options); });
   return new Hierarchy(std::move(bvh));
 }
 
 nb::tuple refit(Hierarchy& hierarchy, const std::vector<Rows>& vertices, const std::vector<Rows>& faces,
-                const std::string& builder, float alpha, float max_reference_ratio, unsigned max_leaf_size,
-                unsigned threads, bool skip_non_finite, std::size_t presplit_references,
-                const nb::object& progress) {
+                const std::string& builder, const std::string& quality, double max_refinement_seconds,
+                float alpha, float max_reference_ratio, unsigned max_leaf_size, unsigned threads,
+                bool skip_non_finite, std::size_t presplit_references, const nb::object& progress) {
   const Meshes meshes(vertices, faces, std::vector<std::uint32_t>(vertices.size(), Mask{}.bits));
   RefitReport report;
   run(meshes,
-      options_of(builder, alpha, max_reference_ratio, max_leaf_size, threads, skip_non_finite,
-                 presplit_references),
+      options_of(builder, quality, max_refinement_seconds, alpha, max_reference_ratio, max_leaf_size, threads,
+                 skip_non_finite, presplit_references),
       progress, [&](const BuildOptions& options) { report = hierarchy.refit(meshes.floats, options); });
   return nb::make_tuple(report.cost_ratio, report.rebuilt);
 }
 
 nb::tuple measure(const std::vector<Rows>& vertices, const std::vector<Rows>& faces,
-                  const std::string& builder, float alpha, float max_reference_ratio, unsigned max_leaf_size,
-                  unsigned threads) {
+                  const std::string& builder, const std::string& quality, float alpha,
+                  float max_reference_ratio, unsigned max_leaf_size, unsigned threads) {
   const Meshes meshes(vertices, faces, std::vector<std::uint32_t>(vertices.size(), Mask{}.bits));
-  const BuildOptions options =
-      options_of(builder, alpha, max_reference_ratio, max_leaf_size, threads, false, 0);
+  const BuildOptions options = options_of(builder, quality, std::numeric_limits<double>::infinity(), alpha,
+                                          max_reference_ratio, max_leaf_size, threads, false, 0);
   struct Measures {
     TreeCounts counts;
     double sah, epo, lcv;
@@ -214,13 +225,13 @@ nb::tuple measure(const std::vector<Rows>& vertices, const std::vector<Rows>& fa
 
 void add_build(nb::module_& module) {
   module.def("build", &build, nb::arg("vertices").noconvert(), nb::arg("faces").noconvert(), nb::arg("masks"),
-             nb::arg("builder"), nb::arg("alpha"), nb::arg("max_reference_ratio"), nb::arg("max_leaf_size"),
-             nb::arg("threads"), nb::arg("skip_non_finite"), nb::arg("presplit_references"),
-             nb::arg("progress").none());
+             nb::arg("builder"), nb::arg("quality"), nb::arg("max_refinement_seconds"), nb::arg("alpha"),
+             nb::arg("max_reference_ratio"), nb::arg("max_leaf_size"), nb::arg("threads"),
+             nb::arg("skip_non_finite"), nb::arg("presplit_references"), nb::arg("progress").none());
   module.def("refit", &refit, nb::arg("bvh"), nb::arg("vertices").noconvert(), nb::arg("faces").noconvert(),
-             nb::arg("builder"), nb::arg("alpha"), nb::arg("max_reference_ratio"), nb::arg("max_leaf_size"),
-             nb::arg("threads"), nb::arg("skip_non_finite"), nb::arg("presplit_references"),
-             nb::arg("progress").none());
+             nb::arg("builder"), nb::arg("quality"), nb::arg("max_refinement_seconds"), nb::arg("alpha"),
+             nb::arg("max_reference_ratio"), nb::arg("max_leaf_size"), nb::arg("threads"),
+             nb::arg("skip_non_finite"), nb::arg("presplit_references"), nb::arg("progress").none());
   module.def("measure", &measure);
   module.def(
       "build_memory_bound", [](std::size_t triangles, const std::string& builder, float max_reference_ratio) {

@@ -58,9 +58,23 @@ def test_the_same_hits_for_any_builder_and_number_of_threads(random):
         assert np.array_equal(hits[0].t, other.t) and np.array_equal(hits[0].primitive, other.primitive)
 
 
+def test_better_trees_cost_less_and_give_the_same_hits():
+    rng = np.random.default_rng(5)
+    corners = rng.random((3000, 1, 3)) + 0.2 * rng.random((3000, 3, 3))
+    costs = {quality: kerf_bvh.measure(corners, quality=quality).sah for quality in ("fast", "high", "best")}
+    assert costs["best"] < costs["high"] < costs["fast"]
+    origins, directions = rng.random((500, 3)), rng.random((500, 3)) - 0.5
+    fast = kerf_bvh.Bvh(corners).intersect(origins, directions)
+    for options in ({"quality": "high"}, {"quality": "best"}, {"quality": "best", "max_refinement_seconds": 0.0}):
+        other = kerf_bvh.Bvh(corners, **options).intersect(origins, directions)
+        assert np.array_equal(other.t, fast.t) and np.array_equal(other.primitive, fast.primitive)
+
+
 def test_options_that_cannot_be_right_are_refused():
     for options, sentence in [
         ({"builder": "best"}, "there is no builder best, but there are bvh, sbvh, esc, evh"),
+        ({"quality": "good"}, "quality must be"),
+        ({"quality": "best", "max_refinement_seconds": -1.0}, "max_refinement_seconds"),
         ({"alpha": 2.0}, "alpha"),
         ({"max_leaf_size": 9}, "max_leaf_size"),
         ({"max_leaf_size": -1}, "max_leaf_size"),

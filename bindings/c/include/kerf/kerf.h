@@ -146,6 +146,9 @@ typedef struct kerf_double_mesh {
 
 typedef enum kerf_builder { KERF_SBVH = 0, KERF_BVH = 1, KERF_ESC = 2, KERF_EVH = 3 } kerf_builder;
 
+/* How much time a build spends on the tree, as `Quality` in <kerf/build.hpp>. */
+typedef enum kerf_quality { KERF_FAST = 0, KERF_HIGH = 1, KERF_BEST = 2 } kerf_quality;
+
 /* What becomes of triangles with a vertex that is not finite. */
 typedef enum kerf_non_finite { KERF_REFUSE = 0, KERF_SKIP = 1 } kerf_non_finite;
 
@@ -162,10 +165,13 @@ typedef struct kerf_build_options {
   /* Called now and then, from any thread but never from two at once, with a fraction in [0, 1] that never
    * falls. Returning 0 cancels the build. May be null. */
   int (*progress)(void* context, float fraction);
-  void* context; /* for `progress` */
+  void* context;                 /* for `progress` */
+  double max_refinement_seconds; /* KERF_HIGH and KERF_BEST end after this time; 0: no limit */
+  int32_t quality;               /* kerf_quality */
+  int32_t unused;                /* 0 */
 } kerf_build_options;
 #define KERF_BUILD_OPTIONS_INIT \
-  { sizeof(kerf_build_options), KERF_SBVH, 1e-5f, 1.5f, 8, 0, KERF_REFUSE, 0, NULL, NULL }
+  { sizeof(kerf_build_options), KERF_SBVH, 1e-5f, 1.5f, 8, 0, KERF_REFUSE, 0, NULL, NULL, 0.0, KERF_FAST, 0 }
 
 typedef struct kerf_bvh kerf_bvh;
 

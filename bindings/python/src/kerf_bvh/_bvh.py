@@ -57,6 +57,10 @@ class BuildOptions(TypedDict, total=False):
 
     builder: str
     """"sbvh" (the default), "bvh", "esc" or "evh": which hierarchy."""
+    quality: str
+    """"fast" (the default), "high" or "best": how much time the build spends on a better tree."""
+    max_refinement_seconds: float
+    """Infinity: "high" and "best" end after this time; the tree then depends on the speed of the machine."""
     alpha: float
     """In [0, 1], 1e-5: spatial splits are tried where children overlap by more than this fraction of the root."""
     max_reference_ratio: float
@@ -89,6 +93,8 @@ def _meshes(meshes: Sequence[Mesh], names: Sequence[str]) -> tuple[list[npt.NDAr
 def _options(
     *,
     builder: str = "sbvh",
+    quality: str = "fast",
+    max_refinement_seconds: float = float("inf"),
     alpha: float = 1e-5,
     max_reference_ratio: float = 1.5,
     max_leaf_size: int = 8,
@@ -96,13 +102,15 @@ def _options(
     skip_non_finite: bool = False,
     threads: int = 0,
     progress: Callable[[float], object] | None = None,
-) -> tuple[str, float, float, int, int, bool, int, Callable[[float], object] | None]:
+) -> tuple[str, str, float, float, float, int, int, bool, int, Callable[[float], object] | None]:
     """The options as the extension takes them."""
     for name_of, value in (("max_leaf_size", max_leaf_size), ("presplit_references", presplit_references)):
         if not 0 <= value < 1 << 31:
             raise ValueError(f"{name_of}: {value} is out of range")
     return (
         builder,
+        quality,
+        max_refinement_seconds,
         alpha,
         max_reference_ratio,
         max_leaf_size,
@@ -629,6 +637,7 @@ def measure(
     faces: ArrayLike | None = None,
     *,
     builder: str = "sbvh",
+    quality: str = "fast",
     alpha: float = 1e-5,
     max_reference_ratio: float = 1.5,
     max_leaf_size: int = 8,
@@ -645,6 +654,13 @@ def measure(
     narrow = numbers if numbers.dtype.itemsize == 4 else faces_of(numbers, "faces", rounded(corners), False)
     return Measures(
         *_kerf.measure(
-            [rounded(corners)], [narrow], builder, alpha, max_reference_ratio, max_leaf_size, check_threads(threads)
+            [rounded(corners)],
+            [narrow],
+            builder,
+            quality,
+            alpha,
+            max_reference_ratio,
+            max_leaf_size,
+            check_threads(threads),
         )
     )
