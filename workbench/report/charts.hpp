@@ -10,7 +10,7 @@ namespace workbench {
 /// The bars of one colour, or one line.
 struct ChartSeries {
   std::string name;
-  std::string style;           ///< class of its colour: `bvh`, `sbvh`, ... or `c0` to `c4`
+  std::string style;           ///< class of its colour: `bvh`, `sbvh`, ... or `c0` to `c6`
   std::vector<double> values;  ///< one for each group or place
   /// Stacked on `values`, in a lighter colour; empty for none.
   std::vector<double> above = {};

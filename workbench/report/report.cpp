@@ -85,13 +85,24 @@ std::string masthead(const Report& report) {
       escape_html(report.version), escape_html(machine.compiler), escape_html(report.date));
 }
 
-// The class of a builder's colour.
-std::string style_of(const BuilderFigures& builder, std::size_t i) {
-  for (const std::string_view known : {"bvh", "sbvh", "esc", "evh"}) {
-    if (builder.name == known) return builder.name;
+// The classes of builders' colours: each has one of its own, and so have the qualities of one builder, in the
+// order in which they come.
+class Styles {
+ public:
+  std::string of(const std::string& name) {
+    for (const std::string_view known : {"bvh", "sbvh", "esc", "evh"}) {
+      if (name == known) return name;
+    }
+    static constexpr std::string_view others[] = {"c2", "c5", "c6"};
+    const auto found = std::find(names_.begin(), names_.end(), name);
+    const auto place = static_cast<std::size_t>(found - names_.begin());
+    if (found == names_.end()) names_.push_back(name);
+    return std::string(others[place % std::size(others)]);
   }
-  return fmt::format("c{}", i % 5);
-}
+
+ private:
+  std::vector<std::string> names_;
+};
 
 std::vector<std::string> ray_titles() {
   std::vector<std::string> titles;
@@ -147,6 +158,7 @@ std::string budget_charts(const SceneFigures& scene, std::size_t number) {
   references.title = "References";
   references.remark = "that are left in the tree";
   references.y_title = "per triangle";
+  Styles styles;
   for (const BuilderFigures& builder : scene.builders) {
     const std::string place = fmt::format("{}", builder.budget);
     if (std::find(speed.places.begin(), speed.places.end(), place) == speed.places.end()) {
@@ -154,8 +166,7 @@ std::string budget_charts(const SceneFigures& scene, std::size_t number) {
       references.places.push_back(place);
     }
     if (speed.series.empty() || speed.series.back().name != builder.name) {
-      const ChartSeries line{
-          .name = builder.name, .style = style_of(builder, speed.series.size()), .values = {}};
+      const ChartSeries line{.name = builder.name, .style = styles.of(builder.name), .values = {}};
       speed.series.push_back(line);
       references.series.push_back(line);
     }
@@ -194,10 +205,10 @@ std::string comparison_charts(const SceneFigures& scene, std::size_t number) {
     if (std::find(std::begin(shown), std::end(shown), measure.key) == std::end(shown)) continue;
     trees.places.emplace_back(measure.title);
   }
-  for (std::size_t i = 0; i < scene.builders.size(); ++i) {
-    const BuilderFigures& builder = scene.builders[i];
-    ChartSeries tree{.name = builder.name, .style = style_of(builder, i), .values = {}}, steps = tree,
-                                                                                         mrays = tree;
+  Styles styles;
+  for (const BuilderFigures& builder : scene.builders) {
+    ChartSeries tree{.name = builder.name, .style = styles.of(builder.name), .values = {}}, steps = tree,
+                                                                                            mrays = tree;
     for (const auto& measure : tree_measures()) {
       if (std::find(std::begin(shown), std::end(shown), measure.key) == std::end(shown)) continue;
       tree.values.push_back(relative(measure.value(builder), measure.value(scene.builders.front())));
