@@ -89,6 +89,7 @@ struct OptionsView {
   std::uint32_t skip_non_finite;
   std::uint32_t presplit_references;
   std::uint32_t progress;  // whether JavaScript wants to hear of it
+  std::int32_t quality;
 };
 
 // Calls `work` with a mesh as the library takes it.
@@ -110,6 +111,7 @@ kerf::BuildOptions to_options(const OptionsView& view) {
     throw kerf::Error(kerf::Error::invalid_argument, "there is no such builder");
   kerf::BuildOptions options;
   options.builder = static_cast<kerf::Builder>(view.builder);
+  options.quality = static_cast<kerf::Quality>(view.quality);
   options.alpha = view.alpha;
   options.max_reference_ratio = view.max_reference_ratio;
   options.max_leaf_size = view.max_leaf_size;

@@ -9,10 +9,16 @@ export type Triple = ArrayLike<number> | { readonly x: number; readonly y: numbe
 export type Builder = 'sbvh' | 'bvh' | 'esc' | 'evh';
 const builders: Builder[] = ['sbvh', 'bvh', 'esc', 'evh'];
 
+/** How much time a build spends on a better tree: none; a third to a half more; five to twenty times as long. */
+export type Quality = 'fast' | 'high' | 'best';
+const qualities: Quality[] = ['fast', 'high', 'best'];
+
 /** How to build. The defaults suit most uses; <kerf/build.hpp> says more of each. */
 export interface BuildOptions {
   /** Default: `sbvh`. */
   builder?: Builder;
+  /** Default: `fast`. */
+  quality?: Quality;
   /** Where the children of the best object split overlap by more than this fraction of the root's surface area, a
    * spatial split is tried; 1: nowhere. In [0, 1]. Default: 1e-5. */
   alpha?: number;
@@ -161,8 +167,10 @@ function passMesh(scratch: Scratch, mesh: Mesh): number {
 function passOptions(scratch: Scratch, options: BuildOptions): number {
   const builder = builders.indexOf(options.builder ?? 'sbvh');
   if (builder < 0) refuse(`there is no builder "${options.builder}": ${builders.join(', ')}`);
+  const quality = qualities.indexOf(options.quality ?? 'fast');
+  if (quality < 0) refuse(`there is no quality "${options.quality}": ${qualities.join(', ')}`);
   const at = scratch.words([builder, 0, 0, options.maxLeafSize ?? 8, options.nonFinite === 'skip' ? 1 : 0,
-    options.presplitReferences ?? 0, options.onProgress ? 1 : 0]);
+    options.presplitReferences ?? 0, options.onProgress ? 1 : 0, quality]);
   floats().set([options.alpha ?? 1e-5, options.maxReferenceRatio ?? 1.5], at / 4 + 1);
   return at;
 }

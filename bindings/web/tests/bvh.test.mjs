@@ -29,6 +29,20 @@ function closestOfAll(mesh, origin, direction) {
   return { ...best, open };
 }
 
+test('a better tree over beams takes fewer steps to the same hits', () => {
+  const mesh = beams(400), rays = raysAround(mesh, 2000);
+  const traced = (quality) => {
+    const bvh = Bvh.build(mesh, { quality }), { t, triangle } = bvh.intersectMany(rays);
+    const steps = bvh.countSteps(rays).steps.reduce((sum, count) => sum + count, 0);
+    bvh.dispose();
+    return { hits: { t, triangle }, steps };
+  };
+  const fast = traced('fast'), high = traced('high'), best = traced('best');
+  assert.deepEqual(high.hits, fast.hits);
+  assert.deepEqual(best.hits, fast.hits);
+  assert.ok(best.steps < fast.steps, `${best.steps} steps of ${fast.steps}`);
+});
+
 for (const [name, mesh] of [['beams', beams(60)], ['torus', torus(40, 20)]]) {
   test(`the closest hits among ${name} are those of all triangles one by one`, () => {
     const bvh = Bvh.build(mesh), rays = raysAround(mesh, 1000);
@@ -189,6 +203,7 @@ test('errors are exceptions with a code and the sentence of the library', () => 
   assert.throws(() => Bvh.build({ positions }, { alpha: 2 }), KerfError);
   assert.throws(() => Bvh.build({ positions: [1, 2] }), { code: 'invalid_argument' });
   assert.throws(() => Bvh.build({ positions }, { builder: 'fast' }), /"fast": sbvh, bvh, esc, evh/);
+  assert.throws(() => Bvh.build({ positions }, { quality: 'sbvh' }), /"sbvh": fast, high, best/);
   const bvh = Bvh.build({ positions: [0, 0, 0, 1, 0, 0, 1, 1, 0] });
   bvh.dispose();
   bvh.dispose();
