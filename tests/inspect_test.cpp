@@ -136,8 +136,8 @@ TEST_F(Inspect, BinaryTreesAreHitWhereHierarchiesAre) {
     EXPECT_GT(counters.steps, wide.steps) << "a wide step does the work of several";
   }
   TraversalCounters counters;
-  EXPECT_FALSE(intersect(Tree(), Ray{.direction = {0, 0, 1}}, counters));
-  EXPECT_FALSE(occluded(Tree(), Ray{.direction = {0, 0, 1}}, counters));
+  EXPECT_FALSE(intersect(Tree(), Ray{.origin = {}, .direction = {0, 0, 1}}, counters));
+  EXPECT_FALSE(occluded(Tree(), Ray{.origin = {}, .direction = {0, 0, 1}}, counters));
 }
 
 TEST_F(Inspect, JoinedMeshesAreOne) {
