@@ -12,6 +12,7 @@
 #include "base/fp_environment.hpp"
 #include "base/out_of_memory.hpp"
 #include "base/parallel.hpp"
+#include "base/seconds_since.hpp"
 #include "construction/builders.hpp"
 #include "construction/construct.hpp"
 #include "construction/options.hpp"
@@ -43,10 +44,6 @@ std::shared_ptr<Structure> build_structure(std::span<const TriangleMesh> meshes,
 // Of the time of a build that refines, the part that its builder takes, about.
 float share_of_construction(Quality quality) {
   return quality == Quality::high ? 0.6f : 0.1f;
-}
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 std::vector<std::uint32_t> masks_of(std::span<const TriangleMesh> meshes) {

@@ -49,10 +49,10 @@ void add_compare_command(CLI::App& app, const std::string& command_line) {
       ->type_name("A")
       ->capture_default_str();
   command
-      ->add_option("--device", options->device,
-                   "What traces: cpu; binary, the CPU through the builders' own trees, one node at a time, "
-                   "and through "
-                   "wide ones; or cuda for an NVIDIA GPU, which traces a binary and a wide tree, too")
+      ->add_option(
+          "--device", options->device,
+          "What traces: cpu; binary, the CPU through the builders' own trees, one node at a time, "
+          "and through wide ones; or cuda for an NVIDIA GPU, which traces a binary and a wide tree, too")
       ->type_name("DEVICE")
       ->capture_default_str();
   add_options(*command, options->measuring);

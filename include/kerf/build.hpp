@@ -25,8 +25,8 @@ enum class Builder {
 /// How much time a build spends on the tree, beside what its builder does.
 enum class Quality {
   fast,  ///< none
-  high,  ///< subtrees with large boxes are moved to better places: a third to a half more time
-  best,  ///< all subtrees, until no move pays: five to twenty times as long
+  high,  ///< subtrees with large boxes are moved to better places: a fifth to four fifths more time
+  best,  ///< all subtrees, until no move pays: five to fifty times as long
 };
 
 /// What becomes of triangles with a vertex that is not a number, infinite, or 2^126 and more.

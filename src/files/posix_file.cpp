@@ -8,7 +8,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/parallel.hpp"
 #include "base/raise.hpp"
 #include "files/paths.hpp"
 #include "files/system_file.hpp"
@@ -18,10 +17,6 @@ namespace {
 
 // One call moves at most this many bytes. The system's own limit is 2^31 - 4096.
 constexpr std::size_t max_bytes_per_call = std::size_t{1} << 30;
-
-// Threads that read a file together take about this many bytes at a time, which takes some tenths of a
-// millisecond.
-constexpr std::size_t block_bytes = std::size_t{1} << 22;
 
 // For a failed call of the system, whose `errno` was `error`.
 [[noreturn]] void fail(const std::filesystem::path& path, const char* what, int error) {
@@ -111,13 +106,6 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
 
 InputFile::~InputFile() {
   ::close(static_cast<int>(handle_));
-}
-
-void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const {
-  if (bytes.size() <= block_bytes) return read_block(bytes, offset);
-  parallel_for_ranges(std::size_t{0}, bytes.size(), block_bytes, [&](const auto& range) {
-    read_block(bytes.subspan(range.begin(), range.size()), offset + range.begin());
-  });
 }
 
 void InputFile::read_block(std::span<std::byte> bytes, std::uint64_t offset) const {

@@ -4,7 +4,6 @@
 #include <string>
 #include <system_error>
 
-#include "base/parallel.hpp"
 #include "base/raise.hpp"
 #include "files/paths.hpp"
 #include "files/system_file.hpp"
@@ -20,9 +19,6 @@ namespace {
 
 // One call moves at most this many bytes: it counts in 32 bits.
 constexpr std::size_t max_bytes_per_call = std::size_t{1} << 30;
-
-// As for other systems.
-constexpr std::size_t block_bytes = std::size_t{1} << 22;
 
 // For a failed call of the system, whose `GetLastError` was `error`.
 [[noreturn]] void fail(const std::filesystem::path& path, const char* what, DWORD error) {
@@ -109,13 +105,6 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
 
 InputFile::~InputFile() {
   ::CloseHandle(handle_of(handle_));
-}
-
-void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const {
-  if (bytes.size() <= block_bytes) return read_block(bytes, offset);
-  parallel_for_ranges(std::size_t{0}, bytes.size(), block_bytes, [&](const auto& range) {
-    read_block(bytes.subspan(range.begin(), range.size()), offset + range.begin());
-  });
 }
 
 void InputFile::read_block(std::span<std::byte> bytes, std::uint64_t offset) const {

@@ -29,8 +29,9 @@ class MovableTree {
 
   bool is_below(std::uint32_t n, std::uint32_t ancestor) const;
 
-  /// Whether `n` may be moved beside `target`: both are nodes other than the root, neither lies below the
-  /// other's place, and no leaf comes to lie deeper than `max_tree_depth`.
+  /// Whether `n` may be moved beside `target`: neither is the root, `n` is no child of the root, `target` is
+  /// neither its parent nor its sibling, nor lies below it, and no leaf comes to lie deeper than
+  /// `max_tree_depth`.
   bool can_move(std::uint32_t n, std::uint32_t target) const;
 
   /// Moves `n`, with all that is below it, beside what stands at `target`. The sibling takes the place of the

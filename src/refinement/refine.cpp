@@ -6,14 +6,15 @@
 
 #include "base/parallel.hpp"
 #include "base/raise.hpp"
+#include "base/seconds_since.hpp"
 #include "refinement/reinsertion.hpp"
 
 namespace kerf {
 namespace {
 
 // How often and for which part of the nodes a better place is looked for. The tenth with the largest boxes
-// has most of what there is to gain, for a third to a half of a build's time; another round gains a tenth of
-// the one before it. docs/decisions/0091 has the figures.
+// has most of what there is to gain, for a fifth to four fifths of a build's time; every round gains a
+// fraction of the one before it. docs/decisions/0091 has the figures.
 struct Schedule {
   unsigned max_rounds;
   double fraction;
@@ -25,16 +26,6 @@ Schedule schedule_of(Quality quality) {
   return {10, 1.0, 1e-4};
 }
 
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 }  // namespace
 
 void refine(BinaryTree& tree, const BuildOptions& options, const std::function<bool(float)>& progress) {
@@ -42,7 +33,7 @@ void refine(BinaryTree& tree, const BuildOptions& options, const std::function<b
   if (tree.empty() || !std::isfinite(half_area(tree.nodes[0].bounds))) return;
   const Schedule schedule = schedule_of(options.quality);
   on_threads(options.threads, [&] {
-    const Stopwatch watch;
+    const auto start = std::chrono::steady_clock::now();
     std::size_t bytes = tree.bytes() + Reinsertion::bytes(tree.nodes.size(), schedule.fraction);
     {
       Reinsertion reinsertion(tree);
@@ -51,7 +42,7 @@ void refine(BinaryTree& tree, const BuildOptions& options, const std::function<b
         const double gain = reinsertion.improve(schedule.fraction, [&](double done) {
           if (progress && !progress(static_cast<float>((round + done) / schedule.max_rounds)))
             raise(Error::cancelled, "the build was cancelled");
-          has_time = watch.seconds() < options.max_refinement_seconds;
+          has_time = seconds_since(start) < options.max_refinement_seconds;
           return has_time;
         });
         if (gain <= schedule.min_gain) break;

@@ -68,7 +68,7 @@ std::vector<std::uint32_t> Reinsertion::largest(double fraction) const {
 // move is worth.
 Reinsertion::Move Reinsertion::find_best_place(std::uint32_t node) const {
   Move best{0.0f, node, 0};
-  const std::uint32_t parent = node == 0 ? 0 : tree_.parent(node);
+  const std::uint32_t parent = tree_.parent(node);
   if (parent == 0) return best;
   const Box3f& box = tree_.box(node);
   const float area = half_area(box);
@@ -120,14 +120,15 @@ double Reinsertion::make(const Move& move) {
   return 0.0;
 }
 
-// Whether the node becomes a part of an inner node of the layout, and not of a leaf.
+// Whether the node becomes a part of an inner node of the layout, and not of a leaf. Leaves of the tree have
+// no more references than those of the layout.
 bool Reinsertion::is_inner(std::uint32_t node) const {
   return tree_.references(node) > max_leaf_triangles;
 }
 
 // Of an inner node and of the leaves of the layout that are its children.
 double Reinsertion::cost_at(std::uint32_t node) const {
-  if (!is_inner(node) || tree_.node(node).is_leaf()) return 0.0;
+  if (!is_inner(node)) return 0.0;
   double cost = half_area(tree_.box(node));
   for (const std::uint32_t child : {tree_.node(node).left(), tree_.node(node).right()}) {
     if (!is_inner(child)) cost += costs_.leaf * half_area(tree_.box(child));

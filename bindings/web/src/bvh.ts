@@ -9,7 +9,7 @@ export type Triple = ArrayLike<number> | { readonly x: number; readonly y: numbe
 export type Builder = 'sbvh' | 'bvh' | 'esc' | 'evh';
 const builders: Builder[] = ['sbvh', 'bvh', 'esc', 'evh'];
 
-/** How much time a build spends on a better tree: none; a third to a half more; five to twenty times as long. */
+/** How much time a build spends on a better tree: none; a fifth to four fifths more; five to fifty times as long. */
 export type Quality = 'fast' | 'high' | 'best';
 const qualities: Quality[] = ['fast', 'high', 'best'];
 
