@@ -151,6 +151,15 @@ void ask(FuzzedDataProvider& input, const kerf_scene* scene) {
   list<kerf_scene_point>(input, [&](kerf_scene_point* to, std::size_t capacity, std::size_t* count) {
     return kerf_scene_within(scene, from.origin, number(input), to, capacity, count);
   });
+  const kerf_box box = {{from.origin[0], from.origin[1], from.origin[2]},
+                        {from.direction[0], from.direction[1], from.direction[2]}};
+  list<kerf_scene_primitive_id>(input,
+                                [&](kerf_scene_primitive_id* to, std::size_t capacity, std::size_t* count) {
+                                  return kerf_scene_triangles_in(scene, &box, to, capacity, count);
+                                });
+  const auto refuse = [](void*, const kerf_scene_hit*) { return 0; };
+  expect(kerf_scene_intersect_filtered(scene, &from, ~0u, refuse, nullptr, &hit), true);
+  if (hit.instance != KERF_INVALID_ID) std::abort();
   Versioned<kerf_instance> one(input, kerf_instance KERF_INSTANCE_INIT);
   (void)kerf_scene_get_instance(scene, input.ConsumeIntegralInRange<std::size_t>(0, 3), one.get());
 }

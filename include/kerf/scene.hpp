@@ -55,6 +55,15 @@ struct ScenePoint {
   friend constexpr bool operator==(const ScenePoint&, const ScenePoint&) = default;
 };
 
+/// A triangle of an instance. As `PrimitiveId`, and
+struct ScenePrimitiveId {
+  std::uint32_t primitive = invalid_id;  ///< number of the triangle within its mesh
+  std::uint32_t mesh = invalid_id;       ///< number of the mesh within the object
+  std::uint32_t instance = invalid_id;   ///< number of the instance, see `Scene::path`
+
+  friend constexpr bool operator==(const ScenePrimitiveId&, const ScenePrimitiveId&) = default;
+};
+
 struct KERF_API SceneStructure;  // what a `Scene` holds: private to the library
 
 /// A hierarchy over instances. A handle: copies share one structure, which never changes, so that any number
@@ -95,10 +104,43 @@ class KERF_API Scene {
   bool occluded(const Ray& ray) const;
 
   /// The closest hit of an instance and a mesh which the ray sees both, and with it all scenes around them.
-  std::optional<SceneHit> intersect(const Ray& ray, Mask mask) const;
+  std::optional<SceneHit> intersect(const Ray& ray, Mask mask) const {
+    return intersect_filtered(ray, mask, nullptr, nullptr);
+  }
 
   /// True if a mesh is hit which the ray sees, of an instance that it sees.
-  bool occluded(const Ray& ray, Mask mask) const;
+  bool occluded(const Ray& ray, Mask mask) const { return occluded_filtered(ray, mask, nullptr, nullptr); }
+
+  /// The closest of the hits that `filter` accepts. `filter(hit)` is asked about hits that are nearer than
+  /// all that it has accepted, in any order, about each triangle of each instance at most once. What it
+  /// throws is passed on.
+  template <class Filter>
+  requires std::predicate<Filter&, const SceneHit&> std::optional<SceneHit> intersect(const Ray& ray,
+                                                                                      Filter&& filter)
+  const { return intersect(ray, Mask(), filter); }
+
+  /// True if anything is hit that `filter` accepts. It is asked until it accepts a hit, as above.
+  template <class Filter>
+  requires std::predicate<Filter&, const SceneHit&>
+  bool occluded(const Ray& ray, Filter&& filter) const { return occluded(ray, Mask(), filter); }
+
+  /// The closest of the hits, of instances and meshes that the ray sees, which `filter` accepts.
+  template <class Filter>
+  requires std::predicate<Filter&, const SceneHit&> std::optional<SceneHit> intersect(const Ray& ray,
+                                                                                      Mask mask,
+                                                                                      Filter&& filter)
+  const {
+    auto call = [&filter](const SceneHit& hit) { return static_cast<bool>(std::invoke(filter, hit)); };
+    return intersect_filtered(ray, mask, &call, call_filter<decltype(call)>);
+  }
+
+  /// True if a mesh is hit which the ray sees, of an instance that it sees, and `filter` accepts the hit.
+  template <class Filter>
+  requires std::predicate<Filter&, const SceneHit&>
+  bool occluded(const Ray& ray, Mask mask, Filter&& filter) const {
+    auto call = [&filter](const SceneHit& hit) { return static_cast<bool>(std::invoke(filter, hit)); };
+    return occluded_filtered(ray, mask, &call, call_filter<decltype(call)>);
+  }
 
   /// Hit i becomes the closest hit of ray i, or a `SceneHit` that converts to false. The hits are the same as
   /// one by one. This and all calls below that take many rays or points run on all cores, or on as many
@@ -108,6 +150,23 @@ class KERF_API Scene {
 
   /// Flag i becomes 1 if ray i hits anything, else 0.
   void occluded(const RayView& rays, const FlagView& occluded, const BatchOptions& options = {}) const;
+
+  /// Hit i becomes the closest of the hits that `filter(i, hit)` accepts for ray i. `filter` is called from
+  /// all threads at once; what it throws is passed on.
+  template <class Filter>
+  requires std::predicate<const Filter&, std::size_t, const SceneHit&>
+  void intersect(const RayView& rays, std::span<SceneHit> hits, const Filter& filter,
+                 const BatchOptions& options = {}) const {
+    intersect_filtered(rays, hits, options, &filter, call_filter_of_many<Filter>);
+  }
+
+  /// Flag i becomes 1 if ray i hits anything that `filter(i, hit)` accepts, else 0. As above.
+  template <class Filter>
+  requires std::predicate<const Filter&, std::size_t, const SceneHit&>
+  void occluded(const RayView& rays, const FlagView& occluded, const Filter& filter,
+                const BatchOptions& options = {}) const {
+    occluded_filtered(rays, occluded, options, &filter, call_filter_of_many<Filter>);
+  }
 
   /// Calls `visit(hit)` for every triangle that the ray crosses in `[ray.t_min, ray.t_max]`, each once for
   /// each instance, in the order of (t, instance, mesh, primitive), until `visit` returns false; it may also
@@ -170,6 +229,17 @@ class KERF_API Scene {
   /// The same for each of many points.
   Lists<ScenePoint> within(const PointView& points, float radius, const BatchOptions& options = {}) const;
 
+  /// Every triangle that has a point in `box`, once for each instance, in the order of (instance, mesh,
+  /// primitive).
+  ///
+  /// The corners are moved to the scene first, in double precision, and rounded to floats at last, each once:
+  /// a vertex that triangles share stays shared. For the triangles as they are then, the answer is exact, and
+  /// touching counts. A triangle that is flattened by this to a line or a point counts as that.
+  std::vector<ScenePrimitiveId> triangles_in(const Box3f& box) const;
+
+  /// The same for many boxes.
+  Lists<ScenePrimitiveId> triangles_in(std::span<const Box3f> boxes, const BatchOptions& options = {}) const;
+
   /// The instances that were given to `build`. Valid as long as this handle or a copy of it.
   std::span<const Instance> instances() const;
 
@@ -192,6 +262,23 @@ class KERF_API Scene {
   friend struct SceneStructure;
   explicit Scene(std::shared_ptr<const SceneStructure> structure) noexcept;
   std::vector<SceneHit> list_hits(const Ray& ray) const;
+  template <class Call>
+  static bool call_filter(void* call, const SceneHit& hit) {
+    return (*static_cast<Call*>(call))(hit);
+  }
+  template <class Filter>
+  static bool call_filter_of_many(const void* filter, std::size_t ray, const SceneHit& hit) {
+    return static_cast<bool>((*static_cast<const Filter*>(filter))(ray, hit));
+  }
+  using FilterOfMany = bool (*)(const void* context, std::size_t ray, const SceneHit& hit);
+  std::optional<SceneHit> intersect_filtered(const Ray& ray, Mask mask, void* context,
+                                             bool (*accept)(void* context, const SceneHit& hit)) const;
+  bool occluded_filtered(const Ray& ray, Mask mask, void* context,
+                         bool (*accept)(void* context, const SceneHit& hit)) const;
+  void intersect_filtered(const RayView& rays, std::span<SceneHit> hits, const BatchOptions& options,
+                          const void* context, FilterOfMany accept) const;
+  void occluded_filtered(const RayView& rays, const FlagView& occluded, const BatchOptions& options,
+                         const void* context, FilterOfMany accept) const;
 
   std::shared_ptr<const SceneStructure> structure_;
 };

@@ -137,6 +137,54 @@ class Placement {
     return MovedRay(ray, to_object(ray.origin), direction);
   }
 
+  /// A box around all points of the object whose images in the scene, computed in double precision and
+  /// perhaps rounded to floats, lie in `box`; empty if there are none. `transform` and `bounds` are those
+  /// that this was made of.
+  ///
+  /// With any matrix A, and exactly, x = A M x + (I - A M) x: what the inverse A lacks is bounded by I - A M.
+  Box3f to_object(const Box3f& box, const Transform& transform, const Box3f& bounds) const {
+    const auto& m = transform.rows;
+    double size[3];  // of the object, around c
+    for (int j = 0; j < 3; ++j) {
+      const double lower = double{bounds.lower[j]} - center_[j], upper = double{bounds.upper[j]} - center_[j];
+      size[j] = std::max(std::abs(lower), std::abs(upper));
+    }
+    double middle[3], half[3];  // of the box, from the place of c
+    for (int i = 0; i < 3; ++i) {
+      double sums = std::abs(m[i][3]);  // of what an image is the sum of
+      double far_side = std::abs(at_[i]);
+      for (int j = 0; j < 3; ++j) {
+        sums += std::abs(m[i][j]) * (std::abs(center_[j]) + size[j]);
+        far_side += std::abs(m[i][j]) * size[j];
+      }
+      const double lower = box.lower[i] - at_[i], upper = box.upper[i] - at_[i];
+      const double margin = 0x1p-23 * far_side + 0x1p-48 * (sums + far_side) + 0x1p-50 * (upper - lower) +
+                            std::numeric_limits<float>::denorm_min();
+      middle[i] = 0.5 * (lower + upper);
+      half[i] = 0.5 * (upper - lower) + margin;
+    }
+    Box3f local;
+    for (int i = 0; i < 3; ++i) {
+      double at = center_[i], reach = 0.0, sums = std::abs(center_[i]);
+      for (int j = 0; j < 3; ++j) {
+        at += inverse_[i][j] * middle[j];
+        reach += std::abs(inverse_[i][j]) * half[j];
+        sums += std::abs(inverse_[i][j]) * std::abs(middle[j]);
+        double lacking = i == j ? 1.0 : 0.0, product = lacking;
+        for (int k = 0; k < 3; ++k) {
+          lacking -= inverse_[i][k] * m[k][j];
+          product += std::abs(inverse_[i][k] * m[k][j]);
+        }
+        reach += (std::abs(lacking) + 0x1p-49 * product) * size[j];
+      }
+      reach = reach * (1.0 + 0x1p-40) + 0x1p-48 * sums;
+      const double edge = 0x1p-23 * (std::abs(at) + reach) + std::numeric_limits<float>::denorm_min();
+      local.lower[i] = static_cast<float>(at - reach - edge);
+      local.upper[i] = static_cast<float>(at + reach + edge);
+    }
+    return intersect(local, bounds);
+  }
+
  private:
   void invert(const double (&m)[3][4]) {
     const auto minor = [&](int i, int j) {  // with its sign

@@ -10,8 +10,10 @@
 
 #include <kerf/scene.hpp>
 
+#include "base/small_vector.hpp"
 #include "base/uninitialized.hpp"
 #include "layout/wide_bvh.hpp"
+#include "math/box3f.hpp"
 #include "math/placement.hpp"
 #include "simd/dispatch.hpp"
 #include "structure.hpp"
@@ -112,6 +114,30 @@ template <class Visit>
 void visit_objects(const SceneStructure& scene, const Ray& ray, const Mask* mask, const Visit& visit) {
   float limit = ray.t_max;
   visit_objects(scene, MovedRay(ray), 0, mask, limit, visit);
+}
+
+/// Calls `visit(place)` for the places of a scene whose boxes have a point in `box`, not those of the scenes
+/// there. Throws `std::bad_alloc`.
+template <class Visit>
+void visit_places(const SceneStructure& scene, const Box3f& box, const Visit& visit) {
+  if (scene.top.empty()) return;
+  with_width(scene.top.width, [&](auto width) {
+    SmallVector<ChildLink, 1024> waiting;
+    waiting.push_back(ChildLink::node(0));
+    while (!waiting.empty()) {
+      const auto& node = scene.top.nodes<WideNode<width>>()[waiting.back().node()];
+      waiting.pop_back();
+      for (std::uint32_t slot = 0; slot < width; ++slot) {
+        if (intersect(child_box(node, slot), box).empty()) continue;
+        const ChildLink child = node.children[slot];
+        if (!child.is_leaf()) {
+          waiting.push_back(child);
+          continue;
+        }
+        for (std::uint32_t i = child.first(); i < child.first() + child.count(); ++i) visit(scene.places[i]);
+      }
+    }
+  });
 }
 
 }  // namespace kerf

@@ -41,33 +41,10 @@ SceneHit closest_hit(const SceneStructure& scene, const Ray& ray) {
   return object == nullptr ? SceneHit{} : named(*object, best, instance);
 }
 
-SceneHit closest_seen(const SceneStructure& scene, const Ray& ray, Mask mask) {
-  SceneHit best;
-  best.t = ray.t_max;
-  visit_objects(scene, ray, &mask, [&](const MetObject& met) {
-    const auto hit = met.bvh().intersect(met.ray.ray, mask);
-    if (!hit) return best.t;
-    const float t = met.ray.in_scene(hit->t);
-    if (t < best.t || met.number < best.instance)
-      best = {t, hit->u, hit->v, hit->primitive, hit->mesh, met.number};
-    return best.t;
-  });
-  return best ? best : SceneHit{};
-}
-
 bool any_hit(const SceneStructure& scene, const Ray& ray) {
   bool found = false;
   visit_objects(scene, ray, nullptr, [&](const MetObject& met) {
     found = met.object().kernels->any(met.object().wide, met.ray.ray);
-    return found ? end_of_ray : ray.t_max;
-  });
-  return found;
-}
-
-bool any_seen(const SceneStructure& scene, const Ray& ray, Mask mask) {
-  bool found = false;
-  visit_objects(scene, ray, &mask, [&](const MetObject& met) {
-    found = met.bvh().occluded(met.ray.ray, mask);
     return found ? end_of_ray : ray.t_max;
   });
   return found;
@@ -128,15 +105,8 @@ std::optional<SceneHit> Scene::intersect(const Ray& ray) const {
   const SceneHit hit = closest_hit(*structure_, ray);
   return hit ? std::optional(hit) : std::nullopt;
 }
-std::optional<SceneHit> Scene::intersect(const Ray& ray, Mask mask) const {
-  const SceneHit hit = closest_seen(*structure_, ray, mask);
-  return hit ? std::optional(hit) : std::nullopt;
-}
 bool Scene::occluded(const Ray& ray) const {
   return any_hit(*structure_, ray);
-}
-bool Scene::occluded(const Ray& ray, Mask mask) const {
-  return any_seen(*structure_, ray, mask);
 }
 
 void Scene::intersect(const RayView& rays, std::span<SceneHit> hits, const BatchOptions& options) const {
@@ -144,7 +114,7 @@ void Scene::intersect(const RayView& rays, std::span<SceneHit> hits, const Batch
   for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {
     for (std::size_t i = begin; i < begin + count; ++i) {
       hits[i] = rays.mask.data == nullptr ? closest_hit(*structure_, ray_at(rays, i))
-                                          : closest_seen(*structure_, ray_at(rays, i), mask_at(rays, i));
+                                          : intersect(ray_at(rays, i), mask_at(rays, i)).value_or(SceneHit{});
     }
   });
 }
@@ -154,7 +124,7 @@ void Scene::occluded(const RayView& rays, const FlagView& occluded, const BatchO
   for_each_batch(rays.count, rays_per_batch, options, [&](std::size_t begin, std::size_t count) {
     for (std::size_t i = begin; i < begin + count; ++i) {
       occluded.set(i, rays.mask.data == nullptr ? any_hit(*structure_, ray_at(rays, i))
-                                                : any_seen(*structure_, ray_at(rays, i), mask_at(rays, i)));
+                                                : this->occluded(ray_at(rays, i), mask_at(rays, i)));
     }
   });
 }

@@ -20,6 +20,7 @@
 #include "support/adversarial.hpp"
 #include "support/build_options.hpp"
 #include "support/instrumented.hpp"
+#include "support/placed.hpp"
 #include "support/random_triangles.hpp"
 #include "support/targets.hpp"
 #include "workbench/generate/solids.hpp"
@@ -30,30 +31,11 @@ namespace {
 using adversarial::grid_point;
 using adversarial::uniform;
 using adversarial::uniform_point;
-
-Transform scaled_and_moved(double scale, const Vec3f& by) {
-  return {{{scale, 0, 0, by.x}, {0, scale, 0, by.y}, {0, 0, scale, by.z}}};
-}
-
-// Any invertible map: a turn, a scale along each axis and a shear.
-Transform any_transform(std::mt19937& random, float size) {
-  const double a = uniform(random, 0, 6), b = uniform(random, 0, 6);
-  const double ca = std::cos(a), sa = std::sin(a), cb = std::cos(b), sb = std::sin(b);
-  const double turn[3][3] = {{ca, -sa * cb, sa * sb}, {sa, ca * cb, -ca * sb}, {0, sb, cb}};
-  const double shear[3][3] = {{uniform(random, 0.3f, 2), uniform(random, -0.5f, 0.5f), 0},
-                              {0, uniform(random, 0.3f, 2), uniform(random, -0.5f, 0.5f)},
-                              {0, 0, uniform(random, 0.3f, 2)}};
-  Transform transform;
-  const Vec3f by = uniform_point(random, 4.0f * size);
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      transform.rows[i][j] = 0;
-      for (int k = 0; k < 3; ++k) transform.rows[i][j] += double{size} * turn[i][k] * shear[k][j];
-    }
-    transform.rows[i][3] = by[i];
-  }
-  return transform;
-}
+using kerf_tests::any_transform;
+using kerf_tests::append_leaves;
+using kerf_tests::Leaf;
+using kerf_tests::scaled_and_moved;
+using kerf_tests::scene_of_scenes;
 
 Vec3f moved(const Transform& m, const Vec3f& p) {
   Vec3f to;
@@ -283,53 +265,6 @@ TEST(Scene, HitsDoNotDependOnHowLongADirectionBecomes) {
       EXPECT_FALSE(scene.intersect(shorter));
     }
   }
-}
-
-// What stands in scenes in scenes, as (path, object, the transforms from the outside to the inside).
-struct Leaf {
-  std::vector<std::uint32_t> path;
-  Bvh object;
-  std::vector<Transform> transforms;
-  std::vector<std::uint32_t> masks;
-
-  bool is_seen(Mask mask) const {
-    return std::all_of(masks.begin(), masks.end(),
-                       [&](std::uint32_t bits) { return (bits & mask.bits) != 0; });
-  }
-};
-void append_leaves(const Scene& scene, const Leaf& above, std::vector<Leaf>& leaves) {
-  for (std::uint32_t i = 0; i < scene.instances().size(); ++i) {
-    const Instance& instance = scene.instances()[i];
-    Leaf leaf = above;
-    leaf.path.push_back(i);
-    leaf.transforms.push_back(instance.transform);
-    leaf.masks.push_back(instance.mask.bits);
-    leaf.object = instance.object;
-    if (instance.scene.instances().empty()) {
-      leaves.push_back(leaf);
-    } else {
-      append_leaves(instance.scene, leaf, leaves);
-    }
-  }
-}
-
-// A scene of objects, of scenes of objects, and of scenes of these, and things of nothing among them.
-Scene scene_of_scenes(std::mt19937& random, const Bvh& object) {
-  std::vector<Instance> inner, middle, outer;
-  for (std::uint32_t i = 0; i < 7; ++i)
-    inner.push_back({.object = i == 3 ? Bvh() : object, .transform = any_transform(random, 1), .mask = {i}});
-  for (std::uint32_t i = 0; i < 5; ++i) {
-    middle.push_back({.object = object, .transform = any_transform(random, 2), .mask = {~i}});
-    if (i % 2 == 1) middle.back() = {.scene = build(inner), .transform = any_transform(random, 2)};
-  }
-  for (std::uint32_t i = 0; i < 6; ++i) {
-    outer.push_back({.object = object, .transform = any_transform(random, 8)});
-    if (i % 3 == 1)
-      outer.back() = {.scene = build(middle), .transform = any_transform(random, 1), .number = i};
-    if (i % 3 == 2)
-      outer.back() = {.scene = build(inner), .transform = any_transform(random, 2), .mask = {3}};
-  }
-  return build(outer);
 }
 
 TEST(Scene, ScenesStandInScenesAndHitsNameThePath) {

@@ -66,6 +66,9 @@ static_assert(same_layout<kerf_scene_hit, kerf::SceneHit> &&
 static_assert(same_layout<kerf_scene_point, kerf::ScenePoint> &&
               offsetof(kerf_scene_point, distance) == offsetof(kerf::ScenePoint, distance) &&
               offsetof(kerf_scene_point, instance) == offsetof(kerf::ScenePoint, instance));
+static_assert(same_layout<kerf_scene_primitive_id, kerf::ScenePrimitiveId> &&
+              offsetof(kerf_scene_primitive_id, mesh) == offsetof(kerf::ScenePrimitiveId, mesh) &&
+              offsetof(kerf_scene_primitive_id, instance) == offsetof(kerf::ScenePrimitiveId, instance));
 static_assert(same_layout<kerf_touching_pair, kerf::TouchingPair>);
 static_assert(same_layout<kerf_triangle, kerf::Triangle> && same_layout<kerf_box, kerf::Box3f> &&
               same_layout<kerf_transform, kerf::Transform>);
@@ -855,6 +858,31 @@ kerf_status kerf_scene_occluded_masked(const kerf_scene* scene, const kerf_ray* 
   });
 }
 
+kerf_status kerf_scene_intersect_filtered(const kerf_scene* scene, const kerf_ray* ray, uint32_t mask,
+                                          kerf_scene_filter filter, void* context, kerf_scene_hit* hit) {
+  if (filter == nullptr) return kerf_scene_intersect_masked(scene, ray, mask, hit);
+  return guarded([&] {
+    require(scene, ray, hit);
+    const auto found =
+        scene->scene.intersect(to_ray(*ray), kerf::Mask{mask}, [&](const kerf::SceneHit& candidate) {
+          const auto asked = std::bit_cast<kerf_scene_hit>(candidate);
+          return filter(context, &asked) != 0;
+        });
+    *hit = std::bit_cast<kerf_scene_hit>(found.value_or(kerf::SceneHit{}));
+  });
+}
+kerf_status kerf_scene_occluded_filtered(const kerf_scene* scene, const kerf_ray* ray, uint32_t mask,
+                                         kerf_scene_filter filter, void* context, int* occluded) {
+  if (filter == nullptr) return kerf_scene_occluded_masked(scene, ray, mask, occluded);
+  return guarded([&] {
+    require(scene, ray, occluded);
+    *occluded = scene->scene.occluded(to_ray(*ray), kerf::Mask{mask}, [&](const kerf::SceneHit& candidate) {
+      const auto asked = std::bit_cast<kerf_scene_hit>(candidate);
+      return filter(context, &asked) != 0;
+    });
+  });
+}
+
 kerf_status kerf_scene_all_hits(const kerf_scene* scene, const kerf_ray* ray, kerf_scene_hit* hits,
                                 size_t capacity, size_t* count) {
   return guarded([&] {
@@ -902,6 +930,13 @@ kerf_status kerf_scene_within(const kerf_scene* scene, const float point[3], flo
     hand_out(scene->scene.within(to_point(point), radius), points, capacity, count);
   });
 }
+kerf_status kerf_scene_triangles_in(const kerf_scene* scene, const kerf_box* box,
+                                    kerf_scene_primitive_id* ids, size_t capacity, size_t* count) {
+  return guarded([&] {
+    require(scene, box, count);
+    hand_out(scene->scene.triangles_in(std::bit_cast<kerf::Box3f>(*box)), ids, capacity, count);
+  });
+}
 
 kerf_status kerf_scene_intersect_many(const kerf_scene* scene, const kerf_rays* rays, kerf_scene_hit* hits,
                                       const kerf_batch_options* options) {
@@ -917,6 +952,38 @@ kerf_status kerf_scene_occluded_many(const kerf_scene* scene, const kerf_rays* r
     require(scene);
     const kerf::RayView view = to_view(rays);
     scene->scene.occluded(view, answers(occluded, view.count), to_options(options));
+  });
+}
+kerf_status kerf_scene_intersect_many_filtered(const kerf_scene* scene, const kerf_rays* rays,
+                                               kerf_scene_filter_of_many filter, void* context,
+                                               kerf_scene_hit* hits, const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    if (filter == nullptr) refuse("a pointer is null");
+    const kerf::RayView view = to_view(rays);
+    scene->scene.intersect(
+        view, answers(as<kerf::SceneHit>(hits), view.count),
+        [&](std::size_t ray, const kerf::SceneHit& hit) {
+          const auto asked = std::bit_cast<kerf_scene_hit>(hit);
+          return filter(context, ray, &asked) != 0;
+        },
+        to_options(options));
+  });
+}
+kerf_status kerf_scene_occluded_many_filtered(const kerf_scene* scene, const kerf_rays* rays,
+                                              kerf_scene_filter_of_many filter, void* context,
+                                              uint8_t* occluded, const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    if (filter == nullptr) refuse("a pointer is null");
+    const kerf::RayView view = to_view(rays);
+    scene->scene.occluded(
+        view, answers(occluded, view.count),
+        [&](std::size_t ray, const kerf::SceneHit& hit) {
+          const auto asked = std::bit_cast<kerf_scene_hit>(hit);
+          return filter(context, ray, &asked) != 0;
+        },
+        to_options(options));
   });
 }
 kerf_status kerf_scene_count_hits_many(const kerf_scene* scene, const kerf_rays* rays, uint32_t* counts,
@@ -967,6 +1034,15 @@ kerf_status kerf_scene_within_many(const kerf_scene* scene, const kerf_points* p
   return guarded([&] {
     require(scene);
     hand_out(scene->scene.within(to_view(points), radius, to_options(options)), offsets, found, capacity);
+  });
+}
+kerf_status kerf_scene_triangles_in_many(const kerf_scene* scene, const kerf_box* boxes, size_t count,
+                                         size_t* offsets, kerf_scene_primitive_id* ids, size_t capacity,
+                                         const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    hand_out(scene->scene.triangles_in(answers(as<const kerf::Box3f>(boxes), count), to_options(options)),
+             offsets, ids, capacity);
   });
 }
 

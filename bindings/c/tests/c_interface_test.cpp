@@ -465,6 +465,21 @@ TEST_F(CScene, OneRayAndOnePointAreAnsweredAsInCpp) {
     int occluded;
     ASSERT_EQ(kerf_scene_occluded_masked(both, &from, 2, &occluded), KERF_OK);
     ASSERT_EQ(occluded != 0, found.instance != KERF_INVALID_ID);
+    const auto odd = [](void*, const kerf_scene_hit* each) {
+      return static_cast<int>((each->primitive + each->instance) % 2);
+    };
+    ASSERT_EQ(kerf_scene_intersect_filtered(both, &from, 3, odd, nullptr, &found), KERF_OK);
+    ASSERT_EQ(as<kerf::SceneHit>(found), cpp.intersect(to, kerf::Mask{3},
+                                                       [](const kerf::SceneHit& each) {
+                                                         return (each.primitive + each.instance) % 2 != 0;
+                                                       })
+                                             .value_or(kerf::SceneHit{}));
+    ASSERT_EQ(kerf_scene_occluded_filtered(both, &from, 3, odd, nullptr, &occluded), KERF_OK);
+    ASSERT_EQ(occluded != 0, found.instance != KERF_INVALID_ID);
+    ASSERT_EQ(kerf_scene_intersect_filtered(both, &from, 2, nullptr, nullptr, &found), KERF_OK);
+    ASSERT_EQ(as<kerf::SceneHit>(found), cpp.intersect(to, kerf::Mask{2}).value_or(kerf::SceneHit{}));
+    ASSERT_EQ(kerf_scene_occluded_filtered(both, &from, 2, nullptr, nullptr, &occluded), KERF_OK);
+    ASSERT_EQ(occluded != 0, found.instance != KERF_INVALID_ID);
     std::vector<kerf::SceneHit> expected;
     cpp.all_hits(to, [&](const kerf::SceneHit& crossing) { expected.push_back(crossing); });
     std::vector<kerf_scene_hit> all(expected.size());
@@ -491,6 +506,12 @@ TEST_F(CScene, OneRayAndOnePointAreAnsweredAsInCpp) {
     ASSERT_EQ(kerf_scene_within(both, at.data(), 0.2f, list.data(), list.size(), &count), KERF_OK);
     list.resize(count);
     ASSERT_EQ(as<kerf::ScenePoint>(list), cpp.within(place, 0.2f));
+    const kerf_box box = {{at[0], at[1], at[2]}, {at[0] + 0.2f, at[1] + 0.2f, at[2] + 0.2f}};
+    const auto in_box = cpp.triangles_in(as<kerf::Box3f>(box));
+    std::vector<kerf_scene_primitive_id> ids(in_box.size());
+    ASSERT_EQ(kerf_scene_triangles_in(both, &box, ids.data(), ids.size(), &count), KERF_OK);
+    ASSERT_EQ(count, in_box.size());
+    ASSERT_EQ(as<kerf::ScenePrimitiveId>(ids), in_box);
   }
   EXPECT_GT(hits, 30);
   EXPECT_GT(inside_count, 3);
@@ -542,6 +563,33 @@ TEST_F(CScene, ManyAreAnsweredAsOneByOne) {
     ASSERT_EQ(as<kerf::ScenePoint>(closest[i]),
               cpp.closest_point(to.origin, 0.3f).value_or(kerf::ScenePoint{}));
   }
+  std::vector<kerf_box> boxes;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const float* const at = points.data() + 3 * i;
+    boxes.push_back({{at[0], at[1], at[2]}, {at[0] + 0.3f, at[1] + 0.2f, at[2] + 0.1f}});
+  }
+  const auto in_boxes = cpp.triangles_in(as<kerf::Box3f>(boxes));
+  std::vector<kerf_scene_primitive_id> ids(in_boxes.items.size());
+  ASSERT_EQ(kerf_scene_triangles_in_many(both, boxes.data(), boxes.size(), offsets.data(), ids.data(),
+                                         ids.size(), nullptr),
+            KERF_OK);
+  ASSERT_EQ(offsets, in_boxes.offsets);
+  ASSERT_EQ(as<kerf::ScenePrimitiveId>(ids), in_boxes.items);
+  const auto odd = [](void*, std::size_t i, const kerf_scene_hit* each) {
+    return static_cast<int>((i + each->primitive) % 2);
+  };
+  ASSERT_EQ(kerf_scene_intersect_many_filtered(both, &from, odd, nullptr, hits.data(), nullptr), KERF_OK);
+  ASSERT_EQ(kerf_scene_occluded_many_filtered(both, &from, odd, nullptr, occluded.data(), nullptr), KERF_OK);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const auto expected = cpp.intersect(
+        as<kerf::Ray>(rays[i]), [&](const kerf::SceneHit& each) { return (i + each.primitive) % 2 != 0; });
+    ASSERT_EQ(as<kerf::SceneHit>(hits[i]), expected.value_or(kerf::SceneHit{}));
+    ASSERT_EQ(occluded[i] != 0, expected.has_value());
+  }
+  EXPECT_EQ(kerf_scene_intersect_many_filtered(both, &from, nullptr, nullptr, hits.data(), nullptr),
+            KERF_INVALID_ARGUMENT);
+  EXPECT_EQ(kerf_scene_occluded_many_filtered(both, &from, nullptr, nullptr, occluded.data(), nullptr),
+            KERF_INVALID_ARGUMENT);
   // Each ray with its own mask.
   kerf_rays masked = from;
   const std::uint32_t bits = 4;

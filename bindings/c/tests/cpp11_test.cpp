@@ -54,6 +54,10 @@ int main() {
   const float near[3] = {10.25f, 0.25f, 6.5f};
   expect(pair.closest_point(near).distance == 0.5f && pair.within(near, 2.0f).size() == 2,
          "points of a scene");
+  const kerf_box around_one = {{10.1f, 0.1f, -0.5f}, {10.9f, 0.9f, 1.0f}};
+  expect(pair.triangles_in(around_one).size() ==
+             bvh.triangles_in({{0.1f, 0.1f, -0.25f}, {0.9f, 0.9f, 0.5f}}).size(),
+         "triangles of a scene in a box");
   const kerf_transform far_off = {{{1, 0, 0, 0}, {0, 1, 0, 100}, {0, 0, 1, 0}}};
   const kerf11::Scene two({kerf11::instance(pair), kerf11::instance(pair, &far_off)});
   expect(two.instance_count() == 4 && two.path(3) == std::vector<std::uint32_t>({1, 1}), "scenes in a scene");

@@ -103,6 +103,13 @@ nb::tuple within(const Scene& scene, const Triples& points, float radius, unsign
   }));
 }
 
+nb::tuple triangles_in(const Scene& scene, const Numbers<float>& boxes, unsigned threads) {
+  const std::span<const Box3f> span(reinterpret_cast<const Box3f*>(boxes.data()), boxes.size() / 6);
+  return to_tuple(list_in_slices<ScenePrimitiveId>(span.size(), [&](std::size_t first, std::size_t count) {
+    return scene.triangles_in(span.subspan(first, count), {.threads = threads});
+  }));
+}
+
 nb::tuple bounds(const Scene& scene) {
   const Box3f box = scene.bounds();
   return nb::make_tuple(nb::make_tuple(box.lower.x, box.lower.y, box.lower.z),
@@ -127,6 +134,7 @@ void add_scene(nb::module_& module) {
   module.def("scene_signed_distance", &signed_distance);
   module.def("scene_closest_point", &closest_point);
   module.def("scene_within", &within);
+  module.def("scene_triangles_in", &triangles_in);
 }
 
 }  // namespace kerf::python

@@ -72,6 +72,21 @@ def test_where_floats_hold_the_copies_rays_hit_as_in_one_mesh(ball, random, shap
     assert np.array_equal(scene.contains(origins), mesh.contains(origins))
 
 
+def test_boxes_hold_the_triangles_that_they_hold_of_one_mesh(ball, random):
+    for maps in (exact_transforms(30, random), any_transforms(30, random)):
+        scene, mesh = kerf_bvh.Scene(ball, maps), merged(maps)
+        corners = random.uniform(-8, 8, (300, 1, 3)).astype(np.float32)
+        boxes = np.concatenate([corners, corners + random.uniform(0, 3, (300, 1, 3)).astype(np.float32)], axis=1)
+        lists, expected = scene.triangles_in(boxes), mesh.triangles_in(boxes)
+        assert len(lists.items) > 1000
+        assert np.array_equal(lists.offsets, expected.offsets)
+        assert np.array_equal(lists.items.instance, expected.items.mesh)
+        assert np.array_equal(lists.items.primitive, expected.items.primitive)
+        assert not lists.items.mesh.any()
+    with pytest.raises(ValueError, match="boxes: shape"):
+        scene.triangles_in(corners)
+
+
 def test_points_are_answered_as_in_one_mesh_under_any_transform(ball, random):
     maps = any_transforms(30, random)
     scene, mesh = kerf_bvh.Scene(ball, maps), merged(maps)

@@ -458,6 +458,13 @@ typedef struct kerf_scene_point {
   uint32_t instance;
 } kerf_scene_point;
 
+/* A triangle of an instance. */
+typedef struct kerf_scene_primitive_id {
+  uint32_t primitive; /* number of the triangle within its mesh */
+  uint32_t mesh;      /* number of the mesh within the object */
+  uint32_t instance;
+} kerf_scene_primitive_id;
+
 /* One scene, which belongs to the caller and is an owner of what stands in it. Of the options, `threads`
  * counts. On failure *scene is null. */
 KERF_C_API kerf_status kerf_build_scene(const kerf_instance* instances, size_t instance_count,
@@ -491,6 +498,17 @@ KERF_C_API kerf_status kerf_scene_intersect_masked(const kerf_scene* scene, cons
 KERF_C_API kerf_status kerf_scene_occluded_masked(const kerf_scene* scene, const kerf_ray* ray, uint32_t mask,
                                                   int* occluded);
 
+/* Whether a hit counts: not 0. Asked at most once for each triangle of each instance and ray. */
+typedef int (*kerf_scene_filter)(void* context, const kerf_scene_hit* hit);
+/* Of instances and meshes that share a bit with `mask`, the hits that `filter` accepts, or all where it is
+ * null. */
+KERF_C_API kerf_status kerf_scene_intersect_filtered(const kerf_scene* scene, const kerf_ray* ray,
+                                                     uint32_t mask, kerf_scene_filter filter, void* context,
+                                                     kerf_scene_hit* hit);
+KERF_C_API kerf_status kerf_scene_occluded_filtered(const kerf_scene* scene, const kerf_ray* ray,
+                                                    uint32_t mask, kerf_scene_filter filter, void* context,
+                                                    int* occluded);
+
 /* Each triangle once for each instance, in the order of (t, instance, mesh, primitive). */
 KERF_C_API kerf_status kerf_scene_all_hits(const kerf_scene* scene, const kerf_ray* ray, kerf_scene_hit* hits,
                                            size_t capacity, size_t* count);
@@ -503,15 +521,29 @@ KERF_C_API kerf_status kerf_scene_signed_distance(const kerf_scene* scene, const
                                                   float* distance);
 KERF_C_API kerf_status kerf_scene_within(const kerf_scene* scene, const float point[3], float radius,
                                          kerf_scene_point* points, size_t capacity, size_t* count);
+/* Each triangle once for each instance, in the order of (instance, mesh, primitive). Exact for triangles
+ * whose corners are moved to the scene in double precision and rounded to floats once. */
+KERF_C_API kerf_status kerf_scene_triangles_in(const kerf_scene* scene, const kerf_box* box,
+                                               kerf_scene_primitive_id* ids, size_t capacity, size_t* count);
 
 /* Many: as the calls for hierarchies, in arrays of what one call answers with. */
 KERF_C_API kerf_status kerf_scene_intersect_many(const kerf_scene* scene, const kerf_rays* rays,
                                                  kerf_scene_hit* hits, const kerf_batch_options* options);
 KERF_C_API kerf_status kerf_scene_occluded_many(const kerf_scene* scene, const kerf_rays* rays,
                                                 uint8_t* occluded, const kerf_batch_options* options);
+/* Whether hit `hit` of ray number `ray` counts. Called from all threads at once. */
+typedef int (*kerf_scene_filter_of_many)(void* context, size_t ray, const kerf_scene_hit* hit);
+KERF_C_API kerf_status kerf_scene_intersect_many_filtered(const kerf_scene* scene, const kerf_rays* rays,
+                                                          kerf_scene_filter_of_many filter, void* context,
+                                                          kerf_scene_hit* hits,
+                                                          const kerf_batch_options* options);
+KERF_C_API kerf_status kerf_scene_occluded_many_filtered(const kerf_scene* scene, const kerf_rays* rays,
+                                                         kerf_scene_filter_of_many filter, void* context,
+                                                         uint8_t* occluded,
+                                                         const kerf_batch_options* options);
 KERF_C_API kerf_status kerf_scene_count_hits_many(const kerf_scene* scene, const kerf_rays* rays,
                                                   uint32_t* counts, const kerf_batch_options* options);
-/* The next and the last have lists, as `kerf_within_many` has them. */
+/* The next and the last two have lists, as `kerf_within_many` has them. */
 KERF_C_API kerf_status kerf_scene_all_hits_many(const kerf_scene* scene, const kerf_rays* rays,
                                                 size_t* offsets, kerf_scene_hit* hits, size_t capacity,
                                                 const kerf_batch_options* options);
@@ -525,6 +557,10 @@ KERF_C_API kerf_status kerf_scene_signed_distance_many(const kerf_scene* scene, 
 KERF_C_API kerf_status kerf_scene_within_many(const kerf_scene* scene, const kerf_points* points,
                                               float radius, size_t* offsets, kerf_scene_point* found,
                                               size_t capacity, const kerf_batch_options* options);
+KERF_C_API kerf_status kerf_scene_triangles_in_many(const kerf_scene* scene, const kerf_box* boxes,
+                                                    size_t count, size_t* offsets,
+                                                    kerf_scene_primitive_id* ids, size_t capacity,
+                                                    const kerf_batch_options* options);
 
 #ifdef __cplusplus
 }

@@ -287,6 +287,12 @@ class Scene {
           return kerf_scene_within(scene_, point, radius, to, capacity, count);
         });
   }
+  std::vector<kerf_scene_primitive_id> triangles_in(const kerf_box& box) const {
+    return detail::list<kerf_scene_primitive_id>(
+        [&](kerf_scene_primitive_id* to, std::size_t capacity, std::size_t* count) {
+          return kerf_scene_triangles_in(scene_, &box, to, capacity, count);
+        });
+  }
 
   /// Many rays on `threads` threads, 0 for all cores.
   std::vector<kerf_scene_hit> intersect(const std::vector<kerf_ray>& rays, std::uint32_t threads = 0) const {

@@ -28,7 +28,7 @@ from ._arrays import (
     triples_of,
     vertices_of,
 )
-from ._questions import ALL, Rays, affine_of, check_threads, mask_of, rays_of
+from ._questions import ALL, Rays, affine_of, boxes_of, check_threads, mask_of, rays_of
 from ._results import (
     HIT,
     PRIMITIVE,
@@ -435,10 +435,7 @@ class Bvh:
         boxes: (..., 2, 3), the smallest and the largest coordinates. Decided exactly, for the box as it is in
         float32. A triangle that touches the box counts. Returns `Lists`, one list a box.
         """
-        array = triples_of(boxes, "boxes")
-        if array.size != 0 and (array.ndim < 2 or array.shape[-2] != 2):
-            raise ValueError(f"boxes: shape {array.shape}, where (..., 2, 3) is needed")
-        corners = np.ascontiguousarray(self._local(array.reshape(-1, 3)))
+        corners = np.ascontiguousarray(self._local(boxes_of(boxes)))
         offsets, items = _kerf.triangles_in(self._bvh, corners.reshape(-1), check_threads(threads))
         return Lists(offsets_of(offsets), primitives_of(items.view(PRIMITIVE)))
 

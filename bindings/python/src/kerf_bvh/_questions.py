@@ -55,6 +55,14 @@ def _flat(array: Float32, shape: tuple[int, ...]) -> Float32:
     return np.broadcast_to(array, (*shape, 3)).reshape(-1, 3)
 
 
+def boxes_of(boxes: ArrayLike) -> npt.NDArray[Any]:
+    """The corners of boxes (..., 2, 3) as rows (n, 3), two of each."""
+    array = triples_of(boxes, "boxes")
+    if array.size != 0 and (array.ndim < 2 or array.shape[-2] != 2):
+        raise ValueError(f"boxes: shape {array.shape}, where (..., 2, 3) is needed")
+    return array.reshape(-1, 3)
+
+
 def mask_of(mask: ArrayLike | None, shape: tuple[int, ...]) -> UInt32 | None:
     return None if mask is None else numbers_of(mask, "mask", shape, np.uint32)
 

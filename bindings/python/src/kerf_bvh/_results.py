@@ -25,6 +25,7 @@ SCENE_POINT = np.dtype(
      ("instance", "u4")]
 )  # fmt: skip
 PRIMITIVE = np.dtype([("primitive", "u4"), ("mesh", "u4")])
+SCENE_PRIMITIVE = np.dtype([*PRIMITIVE.descr, ("instance", "u4")])
 
 
 class Side(IntEnum):
@@ -162,6 +163,18 @@ class Primitives(Columns):
 
 
 @dataclass(frozen=True, eq=False)
+class ScenePrimitives(Columns):
+    """Triangles by their place in the meshes of objects, and the instances that they are of."""
+
+    primitive: UInt32
+    """uint32: number of the triangle within its mesh."""
+    mesh: UInt32
+    """uint32: number of the mesh within the object."""
+    instance: UInt32
+    """uint32: number of the instance, see `Scene.path`."""
+
+
+@dataclass(frozen=True, eq=False)
 class TouchingPairs(Columns):
     """Pairs of triangles that have a point in common, in the order of `first`, then of `second`."""
 
@@ -289,6 +302,10 @@ def scene_hits_of(records: npt.NDArray[Any]) -> SceneHits:
 
 def primitives_of(records: npt.NDArray[Any]) -> Primitives:
     return Primitives(records["primitive"], records["mesh"])
+
+
+def scene_primitives_of(records: npt.NDArray[Any]) -> ScenePrimitives:
+    return ScenePrimitives(records["primitive"], records["mesh"], records["instance"])
 
 
 def offsets_of(data: UInt8) -> Int64:

@@ -12,8 +12,19 @@ import numpy.typing as npt
 from . import _kerf
 from ._arrays import ArrayLike, Bool, Float32, Float64, UInt32, array_of, numbers_of, rounded, rows_of, triples_of
 from ._bvh import Bvh
-from ._questions import ALL, affine_of, check_threads, mask_of, rays_of
-from ._results import SCENE_HIT, SCENE_POINT, Lists, SceneHits, ScenePoints, offsets_of, scene_hits_of
+from ._questions import ALL, affine_of, boxes_of, check_threads, mask_of, rays_of
+from ._results import (
+    SCENE_HIT,
+    SCENE_POINT,
+    SCENE_PRIMITIVE,
+    Lists,
+    SceneHits,
+    ScenePoints,
+    ScenePrimitives,
+    offsets_of,
+    scene_hits_of,
+    scene_primitives_of,
+)
 
 
 class Scene:
@@ -203,6 +214,19 @@ class Scene:
         local, _ = _points(points)
         offsets, items = _kerf.scene_within(self._scene, local, radius, check_threads(threads))
         return Lists(offsets_of(offsets), _scene_points(items.view(SCENE_POINT), points))
+
+    # Boxes
+
+    def triangles_in(self, boxes: ArrayLike, *, threads: int = 0) -> Lists[ScenePrimitives]:
+        """Every triangle that has a point in a box, once for each instance, ordered by (instance, mesh, primitive).
+
+        boxes: (..., 2, 3), the smallest and the largest coordinates. The corners of triangles are moved to the scene
+        in double precision and rounded to float32 once; for the triangles as they are then, and the box as it is in
+        float32, the answer is exact. Touching counts. Returns `Lists`, one list a box.
+        """
+        corners = np.ascontiguousarray(rounded(boxes_of(boxes)))
+        offsets, items = _kerf.scene_triangles_in(self._scene, corners.reshape(-1), check_threads(threads))
+        return Lists(offsets_of(offsets), scene_primitives_of(items.view(SCENE_PRIMITIVE)))
 
     # What it is
 

@@ -1,0 +1,86 @@
+// The triangles of a scene that have a point in a box.
+#include <algorithm>
+#include <tuple>
+#include <vector>
+
+#include <kerf/scene.hpp>
+
+#include "base/fp_environment.hpp"
+#include "base/out_of_memory.hpp"
+#include "math/box3f.hpp"
+#include "queries/batches.hpp"
+#include "queries/triangle_box.hpp"
+#include "queries/visit_box.hpp"
+#include "scene/chain.hpp"
+#include "scene/places.hpp"
+
+namespace kerf {
+namespace {
+
+// Calls `visit(object, number, chain)` for the objects of which some part may lie in `box`, and the box in
+// which that is in the object's space.
+template <class Visit>
+void visit_objects_in(const SceneStructure& scene, const Box3f& box, std::uint32_t first, const Chain* above,
+                      const Visit& visit) {
+  visit_places(scene, box, [&](const SceneStructure::Place& place) {
+    const Instance& instance = scene.instance_of(place);
+    const Chain chain{instance.transform, above};
+    const Box3f& bounds = place.has_scene() ? place.scene().top.bounds : place.object().wide.bounds;
+    const Box3f local = place.placement.to_object(box, instance.transform, bounds);
+    if (local.empty()) return;
+    const std::uint32_t number = first + place.number;
+    if (place.has_scene()) {
+      visit_objects_in(place.scene(), local, number, &chain, visit);
+    } else {
+      visit(place.object(), number, chain, local);
+    }
+  });
+}
+
+void append_triangles_in(const SceneStructure& scene, const Box3f& box,
+                         std::vector<ScenePrimitiveId>& found) {
+  // Exact arithmetic needs finite corners.
+  const Box3f finite = intersect(box, scene.top.bounds);
+  if (finite.empty()) return;
+  const auto before = static_cast<std::ptrdiff_t>(found.size());
+  std::vector<std::uint32_t> ids;
+  visit_objects_in(
+      scene, finite, 0, nullptr,
+      [&](const Structure& object, std::uint32_t number, const Chain& chain, const Box3f& local) {
+        ids.clear();
+        visit_box(object, local, [&](std::uint32_t id, const Triangle& triangle) {
+          if (overlaps(chain(triangle), finite)) ids.push_back(id);
+          return true;
+        });
+        std::sort(ids.begin(), ids.end());
+        ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+        for (const std::uint32_t id : ids) {
+          const PrimitiveId place = locate(object, id);
+          found.push_back({place.primitive, place.mesh, number});
+        }
+      });
+  // Those of an object are in order by themselves.
+  std::stable_sort(
+      found.begin() + before, found.end(),
+      [](const ScenePrimitiveId& a, const ScenePrimitiveId& b) { return a.instance < b.instance; });
+}
+
+}  // namespace
+
+std::vector<ScenePrimitiveId> Scene::triangles_in(const Box3f& box) const {
+  const PlainFloatingPoint plain;
+  return report_out_of_memory([&] {
+    std::vector<ScenePrimitiveId> found;
+    append_triangles_in(*structure_, box, found);
+    return found;
+  });
+}
+
+Lists<ScenePrimitiveId> Scene::triangles_in(std::span<const Box3f> boxes, const BatchOptions& options) const {
+  return list_in_batches<ScenePrimitiveId>(boxes.size(), points_per_batch, options,
+                                           [&](std::size_t i, std::vector<ScenePrimitiveId>& found) {
+                                             append_triangles_in(*structure_, boxes[i], found);
+                                           });
+}
+
+}  // namespace kerf
