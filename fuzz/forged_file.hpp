@@ -9,11 +9,13 @@
 #include <vector>
 
 #include <kerf/kerf.hpp>
+#include <kerf/scene.hpp>
 
 #include "base/aligned_array.hpp"
 #include "files/checksum.hpp"
 #include "files/file_header.hpp"
 #include "files/read_image.hpp"
+#include "files/scene_header.hpp"
 #include "structure.hpp"
 
 namespace forged {
@@ -47,6 +49,30 @@ inline void sign(std::span<std::byte> image) {
   }
   header.header_checksum =
       checksum(std::as_bytes(std::span(&header, 1)).first(offsetof(FileHeader, header_checksum)));
+  std::memcpy(image.data(), &header, sizeof header);
+}
+
+/// The same for the file of a scene, and for the files of its hierarchies.
+inline void sign_scene(std::span<std::byte> image) {
+  using namespace kerf;
+  SceneFileHeader header;
+  if (image.size() < sizeof header) return;
+  std::memcpy(&header, image.data(), sizeof header);
+  const std::uint64_t max = image.size() / sizeof(std::uint64_t);
+  const SceneLayout layout(header);
+  if (header.instances <= max && layout.tables_at + layout.tables_bytes <= image.size()) {
+    std::uint64_t at = layout.objects_at;
+    for (std::uint32_t i = 0; i < header.objects && at <= image.size(); ++i) {
+      std::uint64_t bytes;
+      std::memcpy(&bytes, image.data() + layout.tables_at + i * sizeof bytes, sizeof bytes);
+      if (bytes > image.size() - at) break;
+      sign(image.subspan(at, bytes));
+      at += bytes;
+    }
+    header.tables_checksum = checksum(image.subspan(layout.tables_at, layout.tables_bytes));
+  }
+  header.header_checksum =
+      checksum(std::as_bytes(std::span(&header, 1)).first(offsetof(SceneFileHeader, header_checksum)));
   std::memcpy(image.data(), &header, sizeof header);
 }
 
@@ -93,6 +119,35 @@ inline void query(const kerf::Bvh& bvh) {
   std::vector<std::uint8_t> occluded(rays.size());
   bvh.occluded(rays, occluded);
   for (const auto& place : bvh.triangles_in({{-1, -1, -1}, {0.5f, 0.5f, 0.5f}})) check_name(bvh, place);
+}
+
+/// The same of a scene. Answers must name instances and their triangles.
+inline void query(const kerf::Scene& scene) {
+  const auto check_name = [&](const auto& answer) {
+    if (answer.instance >= scene.instance_count()) std::abort();
+    kerf::Scene at = scene;
+    const std::vector<std::uint32_t> path = scene.path(answer.instance);
+    for (std::size_t level = 0; level + 1 < path.size(); ++level) at = at.instances()[path[level]].scene;
+    forged::check_name(at.instances()[path.back()].object, answer);
+  };
+  const kerf::Box3f bounds = scene.bounds();
+  for (const kerf::Vec3f& origin : {kerf::Vec3f{0.1f, 0.2f, 0.3f}, bounds.lower, kerf::Vec3f{0, 0, 0}}) {
+    for (const kerf::Vec3f& direction : {kerf::Vec3f{1, 0, 0}, {-1, -1, -1}, {0.3f, -0.5f, 0.7f}}) {
+      const kerf::Ray ray{.origin = origin, .direction = direction};
+      if (const auto hit = scene.intersect(ray)) check_name(*hit);
+      (void)scene.occluded(ray);
+      (void)scene.intersect(ray, [&](const kerf::SceneHit& hit) {
+        check_name(hit);
+        return false;
+      });
+      scene.all_hits(ray, check_name);
+    }
+    (void)scene.contains(origin);
+    if (const auto closest = scene.closest_point(origin)) check_name(*closest);
+    for (const auto& near : scene.within(origin, 0.5f)) check_name(near);
+  }
+  for (const auto& place : scene.triangles_in({{-1, -1, -1}, {0.5f, 0.5f, 0.5f}})) check_name(place);
+  for (const auto& place : scene.triangles_in(bounds)) check_name(place);
 }
 
 }  // namespace forged

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include <kerf/kerf.hpp>
+#include <kerf/scene.hpp>
 
 #include "workbench/generate/solids.hpp"
 
@@ -140,14 +141,24 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::filesystem::path root = argv[1];
-  for (const char* name :
-       {"c_interface", "gltf_file", "kerf_file", "mesh", "obj_file", "ply_file", "stl_file"})
+  for (const char* name : {"c_interface", "gltf_file", "kerf_file", "kerf_scene_file", "mesh", "obj_file",
+                           "ply_file", "stl_file"})
     std::filesystem::create_directories(root / name);
 
   const Solid box = workbench::make_box({-1, -1, -1}, {1, 1, 1}), sphere = workbench::make_sphere(1);
   kerf::Bvh().save(root / "kerf_file" / "empty");
   kerf::build(box.mesh()).save(root / "kerf_file" / "box");
   kerf::build(sphere.mesh()).save(root / "kerf_file" / "sphere");
+
+  const std::array instances{kerf::Instance{.object = kerf::build(box.mesh())},
+                             kerf::Instance{.object = kerf::build(sphere.mesh()),
+                                            .transform = {{{0, -1, 0, 3}, {1, 0.5, 0, 0}, {0, 0, 2, 0}}},
+                                            .number = 7}};
+  const kerf::Scene pair = kerf::build(instances);
+  const std::array pairs{kerf::Instance{.scene = pair}, instances[1]};
+  pair.save(root / "kerf_scene_file" / "pair");
+  kerf::build(pairs).save(root / "kerf_scene_file" / "scenes");
+  kerf::build(box.mesh()).save(root / "kerf_scene_file" / "box");
 
   // The fuzzer takes numbers from the end of the input and floats from its bits, so that any bytes make a
   // mesh.

@@ -307,6 +307,10 @@ class KERF_API Bvh {
   /// A box around all triangles; empty for an empty hierarchy.
   Box3f bounds() const;
 
+  /// Equal for copies of one handle, which share a structure, and for no others that exist at the same time:
+  /// says which instances of a scene are of one object.
+  const void* identity() const { return structure_.get(); }
+
   /// What the build made. Valid as long as this handle or a copy of it.
   const BvhStatistics& statistics() const;
 

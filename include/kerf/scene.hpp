@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -240,6 +241,26 @@ class KERF_API Scene {
   /// The same for many boxes.
   Lists<ScenePrimitiveId> triangles_in(std::span<const Box3f> boxes, const BatchOptions& options = {}) const;
 
+  /// Writes the scene to a file (docs/file-format.md): each hierarchy once, however often it stands in the
+  /// scene or in scenes there. The rest is as by `Bvh::save`. Throws `Error::io`, `out_of_memory`, or
+  /// `too_large` for 2^31 hierarchies or scenes.
+  void save(const std::filesystem::path& path) const;
+
+  /// The bytes of that file. Throws `Error::out_of_memory` or `too_large`.
+  std::vector<std::byte> save() const;
+
+  /// Reads a file that `save` wrote, and builds the top levels again; hits are numbered as before. What was
+  /// one hierarchy is one again. Everything is checked before it is used, as by `Bvh::load`, and refused with
+  /// `Error::bad_format`. The file of a `Bvh` is a scene of one instance. Also throws `Error::io` or
+  /// `out_of_memory`. While any of the hierarchies lives, so does the memory of all.
+  static Scene load(const std::filesystem::path& path);
+
+  /// The same from the bytes of such a file, which are copied. Throws `Error::bad_format` or `out_of_memory`.
+  static Scene load(std::span<const std::byte> bytes);
+
+  /// As `load`, with the hierarchies mapped as by `Bvh::map`.
+  static Scene map(const std::filesystem::path& path);
+
   /// The instances that were given to `build`. Valid as long as this handle or a copy of it.
   std::span<const Instance> instances() const;
 
@@ -251,6 +272,9 @@ class KERF_API Scene {
   /// scene there, down to an object. One number where no scene stands in this one. Throws
   /// `Error::invalid_argument` for a number that is not below `instance_count`, and `Error::out_of_memory`.
   std::vector<std::uint32_t> path(std::uint32_t instance) const;
+
+  /// Equal for copies of one handle, and for no others that exist at the same time: see `Bvh::identity`.
+  const void* identity() const { return structure_.get(); }
 
   /// A box around all instances; empty for a scene of nothing.
   Box3f bounds() const;

@@ -104,6 +104,8 @@ FileHeader read_header(std::span<const std::byte> bytes, std::uint64_t file_byte
   }
   if (header.byte_order != FileHeader::native_byte_order)
     raise(Error::bad_format, "the byte order mark is damaged");
+  if (header.version == FileHeader::version_of_scenes)
+    raise(Error::bad_format, "the file holds a scene of instances, not one hierarchy: load it as a scene");
   if (header.version < FileHeader::oldest_version || header.version > FileHeader::current_version) {
     raise(Error::bad_format, "the file has format version %u, but this kerf reads versions %u to %u",
           header.version, FileHeader::oldest_version, FileHeader::current_version);

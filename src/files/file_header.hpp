@@ -20,6 +20,8 @@ struct FileHeader {
   static constexpr std::uint32_t current_version = 3;
   /// Files of this version hold nodes of sixteen children and do not say so. They are still read.
   static constexpr std::uint32_t oldest_version = 2;
+  /// Files of this version begin with a `SceneFileHeader`.
+  static constexpr std::uint32_t version_of_scenes = 4;
 
   std::array<unsigned char, 8> magic = expected_magic;
   std::uint32_t byte_order = native_byte_order;

@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -259,13 +260,71 @@ void write_versioned(const T& filled, T* to, const T& defaults, const char* name
               std::min(size, sizeof filled) - sizeof size);
 }
 
+std::filesystem::path to_path(const char* path) {
+  return reinterpret_cast<const char8_t*>(path);
+}
+
 template <class Read>
 kerf_status open(const char* path, kerf_bvh** bvh, const Read& read) {
   if (bvh == nullptr) return fail(KERF_INVALID_ARGUMENT, "a pointer is null");
   *bvh = nullptr;
   return guarded([&] {
     require(path);
-    *bvh = new kerf_bvh(read(std::filesystem::path(reinterpret_cast<const char8_t*>(path))));
+    *bvh = new kerf_bvh(read(to_path(path)));
+  });
+}
+
+// Gives all that stands in a scene handles: one to each hierarchy and to each scene, however often it stands
+// somewhere. They belong to the scenes in which they stand.
+class SceneHandles {
+ public:
+  ~SceneHandles() {
+    for (const auto& [of, bvh] : bvhs_) kerf_bvh_release(bvh);
+    for (const auto& [of, scene] : scenes_) kerf_scene_release(scene);
+  }
+
+  /// A handle that belongs to the caller.
+  kerf_scene* of(const kerf::Scene& scene) {
+    auto [at, is_new] = scenes_.try_emplace(scene.identity(), nullptr);
+    if (!is_new) return kerf_scene_retain(at->second);
+    auto made = std::make_unique<kerf_scene>();
+    made->scene = scene;
+    made->instances.reserve(scene.instances().size());
+    for (const kerf::Instance& instance : scene.instances()) {
+      kerf_instance given = KERF_INSTANCE_INIT;
+      if (instance.scene.instances().empty()) {
+        given.object = of(instance.object);
+      } else {
+        given.scene = of(instance.scene);
+      }
+      given.transform = std::bit_cast<kerf_transform>(instance.transform);
+      given.mask = instance.mask.bits;
+      given.number = instance.number;
+      made->instances.push_back(given);
+    }
+    kerf_scene* const handle = made.release();
+    scenes_[scene.identity()] = handle;
+    return kerf_scene_retain(handle);
+  }
+
+ private:
+  kerf_bvh* of(const kerf::Bvh& bvh) {
+    kerf_bvh*& handle = bvhs_[bvh.identity()];
+    if (handle == nullptr) handle = new kerf_bvh(bvh);
+    return kerf_bvh_retain(handle);
+  }
+
+  std::unordered_map<const void*, kerf_bvh*> bvhs_;
+  std::unordered_map<const void*, kerf_scene*> scenes_;
+};
+
+template <class Read>
+kerf_status open_scene(const char* path, kerf_scene** scene, const Read& read) {
+  if (scene == nullptr) return fail(KERF_INVALID_ARGUMENT, "a pointer is null");
+  *scene = nullptr;
+  return guarded([&] {
+    require(path);
+    *scene = SceneHandles().of(read(to_path(path)));
   });
 }
 
@@ -799,6 +858,19 @@ kerf_status kerf_build_scene(const kerf_instance* instances, size_t instance_cou
     made->scene = kerf::build(std::span<const kerf::Instance>(all), to_options(options));
     *scene = made.release();
   });
+}
+
+kerf_status kerf_scene_save(const kerf_scene* scene, const char* path) {
+  return guarded([&] {
+    require(scene, path);
+    scene->scene.save(to_path(path));
+  });
+}
+kerf_status kerf_scene_load(const char* path, kerf_scene** scene) {
+  return open_scene(path, scene, [](const std::filesystem::path& file) { return kerf::Scene::load(file); });
+}
+kerf_status kerf_scene_map(const char* path, kerf_scene** scene) {
+  return open_scene(path, scene, [](const std::filesystem::path& file) { return kerf::Scene::map(file); });
 }
 
 kerf_scene* kerf_scene_retain(const kerf_scene* scene) {

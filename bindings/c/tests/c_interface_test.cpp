@@ -601,6 +601,43 @@ TEST_F(CScene, ManyAreAnsweredAsOneByOne) {
   }
 }
 
+TEST_F(CScene, ScenesAreSavedWithTheHandlesInThem) {
+  const std::string path = ::testing::TempDir() + "kerf_c_scene.kerf";
+  ASSERT_EQ(kerf_scene_save(both, path.c_str()), KERF_OK) << kerf_last_error();
+  kerf_scene *loaded, *mapped;
+  ASSERT_EQ(kerf_scene_load(path.c_str(), &loaded), KERF_OK) << kerf_last_error();
+  ASSERT_EQ(kerf_scene_map(path.c_str(), &mapped), KERF_OK) << kerf_last_error();
+  std::remove(path.c_str());
+  for (int i = 0; i < 200; ++i) {
+    const kerf_ray from = ray();
+    kerf_scene_hit expected, hit;
+    kerf_scene_intersect(both, &from, &expected);
+    for (const kerf_scene* const scene_again : {loaded, mapped}) {
+      kerf_scene_intersect(scene_again, &from, &hit);
+      ASSERT_EQ(as<kerf::SceneHit>(hit), as<kerf::SceneHit>(expected));
+    }
+  }
+  kerf_instance rows[2] = {KERF_INSTANCE_INIT, KERF_INSTANCE_INIT}, first = KERF_INSTANCE_INIT,
+                last = KERF_INSTANCE_INIT;
+  ASSERT_EQ(kerf_scene_get_instance(loaded, 0, &rows[0]), KERF_OK);
+  ASSERT_EQ(kerf_scene_get_instance(loaded, 1, &rows[1]), KERF_OK);
+  EXPECT_EQ(rows[0].scene, rows[1].scene);
+  EXPECT_EQ(rows[1].transform.rows[2][3], -0.7);
+  ASSERT_EQ(kerf_scene_get_instance(rows[0].scene, 0, &first), KERF_OK);
+  ASSERT_EQ(kerf_scene_get_instance(rows[0].scene, 11, &last), KERF_OK);
+  EXPECT_EQ(first.object, last.object);
+  EXPECT_EQ(last.number, 111u);
+  EXPECT_EQ(last.mask, 4u);
+  kerf_scene* const kept = kerf_scene_retain(rows[0].scene);
+  kerf_scene_release(loaded);
+  EXPECT_EQ(kerf_scene_instance_count(kept), 12u);
+  kerf_scene_release(kept);
+  kerf_scene_release(mapped);
+  kerf_scene* none = mapped;
+  EXPECT_EQ(kerf_scene_load(path.c_str(), &none), KERF_IO);
+  EXPECT_EQ(none, nullptr);
+}
+
 TEST_F(CScene, InstancesAreNamedAndKeptAsLongAsTheScene) {
   EXPECT_EQ(kerf_scene_instance_count(both), 24u);
   std::uint32_t path[2];

@@ -63,6 +63,11 @@ int main() {
   expect(two.instance_count() == 4 && two.path(3) == std::vector<std::uint32_t>({1, 1}), "scenes in a scene");
   expect(two.intersect(std::vector<kerf_ray>(10, up_there))[9].instance == 1, "many rays through scenes");
   expect(two.occluded(rays, 1)[0] == 1 && two.bounds().upper[1] >= 101.0f, "both scenes are there");
+  two.save("kerf_cpp11_scene.kerf");
+  expect(kerf11::Scene::load("kerf_cpp11_scene.kerf").instance_count() == 4 &&
+             kerf11::Scene::map("kerf_cpp11_scene.kerf").intersect(up_there, there) && there.instance == 1,
+         "a scene from a file");
+  std::remove("kerf_cpp11_scene.kerf");
   kerf11::Scene taken = two, empty;
   empty = std::move(taken);
   expect(empty.occluded(up) && !taken.occluded(up), "a scene that was moved from is one of nothing");

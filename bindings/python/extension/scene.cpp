@@ -1,8 +1,13 @@
 // Scenes of instances, and what is asked of them.
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <iterator>
+#include <unordered_map>
 #include <vector>
 
 #include <kerf/scene.hpp>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/vector.h>
 
 #include "arrays.hpp"
@@ -35,6 +40,35 @@ Scene* build_scene(const nb::list& objects, const Answers<const std::uint32_t>& 
     }
     return kerf::build(std::span<const Instance>(instances), {.threads = threads});
   }));
+}
+
+/// What stands in a scene, each kind once, with a number by which it is known in other scenes; then, for each
+/// instance, which of them, and its own transform, mask and number.
+nb::tuple parts(const Scene& scene) {
+  nb::list kinds, identities;
+  std::unordered_map<const void*, std::uint32_t> known;
+  std::vector<std::uint32_t> which, masks, numbers;
+  std::vector<double> transforms;
+  for (const Instance& instance : scene.instances()) {
+    const bool is_object = instance.scene.instances().empty();
+    const void* const identity = is_object ? instance.object.identity() : instance.scene.identity();
+    const auto [kind, is_new] = known.try_emplace(identity, static_cast<std::uint32_t>(known.size()));
+    if (is_new) {
+      if (is_object) {
+        kinds.append(nb::cast(new Hierarchy(instance.object), nb::rv_policy::take_ownership));
+      } else {
+        kinds.append(nb::cast(new Scene(instance.scene), nb::rv_policy::take_ownership));
+      }
+      identities.append(reinterpret_cast<std::uintptr_t>(identity));
+    }
+    which.push_back(kind->second);
+    masks.push_back(instance.mask.bits);
+    numbers.push_back(instance.number);
+    for (const auto& row : instance.transform.rows)
+      transforms.insert(transforms.end(), std::begin(row), std::end(row));
+  }
+  return nb::make_tuple(kinds, identities, to_bytes(std::move(which)), to_bytes(std::move(transforms)),
+                        to_bytes(std::move(masks)), to_bytes(std::move(numbers)));
 }
 
 using Limits = std::optional<Numbers<float>>;
@@ -124,8 +158,18 @@ void add_scene(nb::module_& module) {
       .def("path", [](const Scene& scene,
                       std::uint32_t instance) { return nb::tuple(nb::cast(scene.path(instance))); })
       .def("bounds", &bounds)
-      .def("bytes", &Scene::bytes);
+      .def("bytes", &Scene::bytes)
+      .def("parts", &parts)
+      .def("save", [](const Scene& scene, const std::filesystem::path& path) {
+        return unlocked([&] { return scene.save(path); });
+      });
   module.def("build_scene", &build_scene);
+  module.def("load_scene", [](const std::filesystem::path& path) {
+    return new Scene(unlocked([&] { return Scene::load(path); }));
+  });
+  module.def("map_scene", [](const std::filesystem::path& path) {
+    return new Scene(unlocked([&] { return Scene::map(path); }));
+  });
   module.def("scene_intersect", &intersect);
   module.def("scene_occluded", &occluded);
   module.def("scene_count_hits", &count_hits);

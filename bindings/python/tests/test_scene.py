@@ -87,6 +87,30 @@ def test_boxes_hold_the_triangles_that_they_hold_of_one_mesh(ball, random):
         scene.triangles_in(corners)
 
 
+@pytest.mark.parametrize("read", [kerf_bvh.Scene.load, kerf_bvh.Scene.map])
+def test_a_file_holds_the_same_scene_and_each_object_once(tmp_path, ball, random, read):
+    far = kerf_bvh.Bvh(VERTICES.astype(np.float64) + [4.3e5, 5.4e6, 300], FACES)
+    row = kerf_bvh.Scene([ball, far], any_transforms(40, random), which=random.integers(0, 2, 40), numbers=np.arange(40))
+    town = kerf_bvh.Scene([row, ball], any_transforms(9, random), which=[0, 1, 0, 0, 0, 0, 1, 0, 0], masks=np.arange(9))
+    town.save(tmp_path / "town.kerf")
+    again = read(tmp_path / "town.kerf")
+    origins, directions = rays(random, 500)
+    assert np.array_equal(again.intersect(origins, directions).t, town.intersect(origins, directions).t)
+    assert len(again.objects) == 2 and len(again.objects[0].objects) == 2
+    assert again.objects[1] in again.objects[0].objects  # the ball is one object still
+    assert np.array_equal(again.masks, town.masks) and np.array_equal(again.which, town.which)
+    inner = again.objects[0]
+    assert np.array_equal(inner.numbers, row.numbers)
+    scale = np.abs(row.transforms).max(axis=(1, 2)) + 5.4e6
+    assert (np.abs(inner.transforms - row.transforms).max(axis=(1, 2)) < 1e-14 * scale).all()
+    far.save(tmp_path / "far.kerf")
+    assert read(tmp_path / "far.kerf").instance_count == 1
+    with pytest.raises(ValueError, match="load it as a scene"):
+        kerf_bvh.Bvh.load(tmp_path / "town.kerf")
+    with pytest.raises(FileNotFoundError):
+        read(tmp_path / "none.kerf")
+
+
 def test_points_are_answered_as_in_one_mesh_under_any_transform(ball, random):
     maps = any_transforms(30, random)
     scene, mesh = kerf_bvh.Scene(ball, maps), merged(maps)

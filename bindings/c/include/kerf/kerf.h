@@ -470,6 +470,12 @@ typedef struct kerf_scene_primitive_id {
 KERF_C_API kerf_status kerf_build_scene(const kerf_instance* instances, size_t instance_count,
                                         const kerf_build_options* options, kerf_scene** scene);
 
+/* As `kerf_save`, `kerf_load` and `kerf_map`: hierarchies are in the file once, however often they stand in
+ * the scene. The file of a hierarchy is a scene of one instance. */
+KERF_C_API kerf_status kerf_scene_save(const kerf_scene* scene, const char* path);
+KERF_C_API kerf_status kerf_scene_load(const char* path, kerf_scene** scene);
+KERF_C_API kerf_status kerf_scene_map(const char* path, kerf_scene** scene);
+
 /* One owner more, and one less; the last one frees the scene. Null is allowed. */
 KERF_C_API kerf_scene* kerf_scene_retain(const kerf_scene* scene);
 KERF_C_API void kerf_scene_release(const kerf_scene* scene);

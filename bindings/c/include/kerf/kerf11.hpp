@@ -239,6 +239,17 @@ class Scene {
   void swap(Scene& other) { std::swap(scene_, other.scene_); }
   const kerf_scene* get() const { return scene_; }  ///< for what is only in C
 
+  static Scene load(const std::string& path) {
+    kerf_scene* loaded = nullptr;
+    check(kerf_scene_load(path.c_str(), &loaded));
+    return Scene(loaded);
+  }
+  static Scene map(const std::string& path) {
+    kerf_scene* mapped = nullptr;
+    check(kerf_scene_map(path.c_str(), &mapped));
+    return Scene(mapped);
+  }
+  void save(const std::string& path) const { check(kerf_scene_save(scene_, path.c_str())); }
   kerf_box bounds() const { return kerf_scene_bounds(scene_); }
   std::size_t bytes() const { return kerf_scene_bytes(scene_); }
   std::uint32_t instance_count() const { return kerf_scene_instance_count(scene_); }

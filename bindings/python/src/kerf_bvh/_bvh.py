@@ -489,7 +489,7 @@ class Bvh:
 
         Raises ValueError for a damaged or forged file, OSError, MemoryError.
         """
-        return cls._of(_kerf.load(_readable(path)))
+        return cls._of(_kerf.load(readable(path)))
 
     @classmethod
     def map(cls, path: str | os.PathLike[str]) -> Bvh:
@@ -498,7 +498,7 @@ class Bvh:
         Nobody may change or truncate the file meanwhile. Refuses a file of another machine's node width with
         ValueError, which `load` converts.
         """
-        return cls._of(_kerf.map(_readable(path)))
+        return cls._of(_kerf.map(readable(path)))
 
     def __reduce__(self) -> tuple[Callable[[bytes], Bvh], tuple[bytes]]:
         with tempfile.TemporaryDirectory() as folder:
@@ -609,7 +609,7 @@ def _checked_hits(out: Hits, shape: tuple[int, ...]) -> Hits:
     return out
 
 
-def _readable(path: str | os.PathLike[str]) -> Path:
+def readable(path: str | os.PathLike[str]) -> Path:
     """The path, if the file can be opened; else Python's own error for that."""
     with open(path, "rb"):
         return Path(path)

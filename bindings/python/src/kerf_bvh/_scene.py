@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ import numpy.typing as npt
 
 from . import _kerf
 from ._arrays import ArrayLike, Bool, Float32, Float64, UInt32, array_of, numbers_of, rounded, rows_of, triples_of
-from ._bvh import Bvh
+from ._bvh import Bvh, readable
 from ._questions import ALL, affine_of, boxes_of, check_threads, mask_of, rays_of
 from ._results import (
     SCENE_HIT,
@@ -84,22 +86,61 @@ class Scene:
         if count != 0 and int(chosen.max(initial=0)) >= len(kinds):
             raise ValueError(f"which: {int(chosen.max())}, but there are only {len(kinds)} objects")
 
-        self._scene: _kerf.Scene
-        self._objects = tuple(kinds)
-        self._which: UInt32 = np.array(chosen)
-        self._transforms: Float64 = np.array(np.broadcast_to(rows, (count, 3, 4)), order="C")
-        self._masks: UInt32 = np.array(numbers_of(masks, "masks", (count,), np.uint32))
-        self._numbers: UInt32 = np.array(numbers_of(numbers, "numbers", (count,), np.uint32))
-        origins = np.array([kind.origin if isinstance(kind, Bvh) else np.zeros(3) for kind in kinds]).reshape(-1, 3)
-        local = self._transforms.copy()
-        if origins.any():  # what the library takes begins in the local frame of each object
-            local[:, :, 3] += np.einsum("nij,nj->ni", local[:, :, :3], origins[self._which])
+        self._set(
+            kinds,
+            np.array(chosen),
+            np.array(np.broadcast_to(rows, (count, 3, 4)), order="C"),
+            np.array(numbers_of(masks, "masks", (count,), np.uint32)),
+            np.array(numbers_of(numbers, "numbers", (count,), np.uint32)),
+        )
+        local = self._transforms + _frames(kinds, self._which, self._transforms)
         inner = [kind._bvh if isinstance(kind, Bvh) else kind._scene for kind in kinds]
-        self._scene = _kerf.build_scene(
+        self._scene: _kerf.Scene = _kerf.build_scene(
             inner, self._which, local.reshape(-1), self._masks, self._numbers, check_threads(threads)
         )
-        for array in (self._which, self._transforms, self._masks, self._numbers):
+
+    def _set(
+        self, objects: Sequence[Bvh | Scene], which: UInt32, transforms: Float64, masks: UInt32, numbers: UInt32
+    ) -> None:
+        self._objects = tuple(objects)
+        self._which, self._transforms, self._masks, self._numbers = which, transforms, masks, numbers
+        for array in (which, transforms, masks, numbers):
             array.flags.writeable = False
+
+    @classmethod
+    def _of(cls, scene: _kerf.Scene, known: dict[int, Bvh | Scene]) -> Scene:
+        """A scene of the library's. `known` has what stands in several scenes by its number."""
+        kinds, identities, which, transforms, masks, numbers = scene.parts()
+        for kind, identity in zip(kinds, identities):
+            if identity not in known:
+                known[identity] = Bvh._of(kind) if isinstance(kind, _kerf.Bvh) else cls._of(kind, known)
+        objects = [known[identity] for identity in identities]
+        local, places = transforms.view(np.float64).reshape(-1, 3, 4), which.view(np.uint32)
+        new = cls.__new__(cls)
+        new._set(
+            objects, places, local - _frames(objects, places, local), masks.view(np.uint32), numbers.view(np.uint32)
+        )
+        new._scene = scene
+        return new
+
+    # Files
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a `.kerf` file, which holds each object once, however often it stands in the scene.
+
+        Raises OSError, MemoryError.
+        """
+        self._scene.save(Path(path))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Scene:
+        """Reads a file that `save` wrote; that of a `Bvh` is a scene of one instance. As `Bvh.load`."""
+        return cls._of(_kerf.load_scene(readable(path)), {})
+
+    @classmethod
+    def map(cls, path: str | os.PathLike[str]) -> Scene:
+        """As `load`, but the objects are mapped, as by `Bvh.map`."""
+        return cls._of(_kerf.map_scene(readable(path)), {})
 
     def __reduce__(self) -> tuple[Callable[..., Scene], tuple[Any, ...]]:
         return _scene_of, (self._objects, self._transforms, self._which, self._masks, self._numbers)
@@ -293,6 +334,15 @@ def _scene_points(records: npt.NDArray[Any], points: ArrayLike) -> ScenePoints:
     position = records["position"].astype(triples_of(points, "points").dtype, copy=False)
     names = ("distance", "u", "v", "primitive", "mesh", "instance")
     return ScenePoints(position, *(records[name] for name in names))
+
+
+def _frames(objects: Sequence[Bvh | Scene], which: UInt32, transforms: Float64) -> Float64:
+    """What transforms of local frames have beyond those of the meshes' coordinates: where each origin goes."""
+    beyond = np.zeros(transforms.shape)
+    origins = np.array([kind.origin if isinstance(kind, Bvh) else np.zeros(3) for kind in objects]).reshape(-1, 3)
+    if origins.any():
+        beyond[:, :, 3] = np.einsum("nij,nj->ni", transforms[:, :, :3], origins[which])
+    return beyond
 
 
 def _scene_of(objects: Any, transforms: Any, which: Any, masks: Any, numbers: Any) -> Scene:
