@@ -157,6 +157,10 @@ void ask(FuzzedDataProvider& input, const kerf_scene* scene) {
                                 [&](kerf_scene_primitive_id* to, std::size_t capacity, std::size_t* count) {
                                   return kerf_scene_triangles_in(scene, &box, to, capacity, count);
                                 });
+  list<kerf_scene_touching_pair>(
+      input, [&](kerf_scene_touching_pair* to, std::size_t capacity, std::size_t* count) {
+        return kerf_scene_touching_pairs(scene, nullptr, nullptr, to, capacity, count);
+      });
   const auto refuse = [](void*, const kerf_scene_hit*) { return 0; };
   expect(kerf_scene_intersect_filtered(scene, &from, ~0u, refuse, nullptr, &hit), true);
   if (hit.instance != KERF_INVALID_ID) std::abort();

@@ -65,6 +65,14 @@ struct ScenePrimitiveId {
   friend constexpr bool operator==(const ScenePrimitiveId&, const ScenePrimitiveId&) = default;
 };
 
+/// Two triangles of instances that have a point in common.
+struct SceneTouchingPair {
+  ScenePrimitiveId first;   ///< of the scene that was asked
+  ScenePrimitiveId second;  ///< of the other
+
+  friend constexpr bool operator==(const SceneTouchingPair&, const SceneTouchingPair&) = default;
+};
+
 struct KERF_API SceneStructure;  // what a `Scene` holds: private to the library
 
 /// A hierarchy over instances. A handle: copies share one structure, which never changes, so that any number
@@ -240,6 +248,33 @@ class KERF_API Scene {
 
   /// The same for many boxes.
   Lists<ScenePrimitiveId> triangles_in(std::span<const Box3f> boxes, const BatchOptions& options = {}) const;
+
+  /// Whether a triangle of this scene and one of `other`, moved by `transform`, have a point in common. Stops
+  /// at the first pair that is found; see `touching_pairs`.
+  bool touches(const Scene& other, const Transform& transform = {}) const;
+
+  /// The same of one hierarchy.
+  bool touches(const Bvh& other, const Transform& transform = {}) const;
+
+  /// All pairs of a triangle of this scene and one of `other`, moved by `transform`, that have a point in
+  /// common; touching counts. Each pair once for each pair of instances, in the order of (instance, mesh,
+  /// primitive) of the first, then of the second.
+  ///
+  /// The corners of the second are moved to the space of the first one's object by one map, computed in
+  /// double precision, and rounded to floats there, each once. For the triangles as they are then, the answer
+  /// is exact: that of `Bvh::touching_pairs` for the two objects and that map. Throws
+  /// `Error::invalid_argument` if a number of `transform` is not finite or a moved corner has a coordinate of
+  /// 2^126 or more, and `Error::out_of_memory`.
+  std::vector<SceneTouchingPair> touching_pairs(const Scene& other, const Transform& transform = {},
+                                                const BatchOptions& options = {}) const;
+
+  /// The same with one hierarchy, whose triangles are those of instance 0.
+  std::vector<SceneTouchingPair> touching_pairs(const Bvh& other, const Transform& transform = {},
+                                                const BatchOptions& options = {}) const;
+
+  /// All pairs of triangles of two instances of this scene that have a point in common, the lower instance
+  /// first. Pairs within an instance are left to `Bvh::touching_pairs`.
+  std::vector<SceneTouchingPair> touching_pairs(const BatchOptions& options = {}) const;
 
   /// Writes the scene to a file (docs/file-format.md): each hierarchy once, however often it stands in the
   /// scene or in scenes there. The rest is as by `Bvh::save`. Throws `Error::io`, `out_of_memory`, or

@@ -137,6 +137,20 @@ class Placement {
     return MovedRay(ray, to_object(ray.origin), direction);
   }
 
+  /// The map that is `first`, from anywhere to the scene, followed by the way to the object's space.
+  Transform to_object(const Transform& first) const {
+    Transform map;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        double& number = map.rows[i][j];
+        number = j == 3 ? center_[i] : 0.0;
+        for (int k = 0; k < 3; ++k)
+          number += inverse_[i][k] * (j == 3 ? first.rows[k][3] - at_[k] : first.rows[k][j]);
+      }
+    }
+    return map;
+  }
+
   /// A box around all points of the object whose images in the scene, computed in double precision and
   /// perhaps rounded to floats, lie in `box`; empty if there are none. `transform` and `bounds` are those
   /// that this was made of.

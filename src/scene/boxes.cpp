@@ -12,30 +12,11 @@
 #include "queries/triangle_box.hpp"
 #include "queries/visit_box.hpp"
 #include "scene/chain.hpp"
+#include "scene/objects_in.hpp"
 #include "scene/places.hpp"
 
 namespace kerf {
 namespace {
-
-// Calls `visit(object, number, chain)` for the objects of which some part may lie in `box`, and the box in
-// which that is in the object's space.
-template <class Visit>
-void visit_objects_in(const SceneStructure& scene, const Box3f& box, std::uint32_t first, const Chain* above,
-                      const Visit& visit) {
-  visit_places(scene, box, [&](const SceneStructure::Place& place) {
-    const Instance& instance = scene.instance_of(place);
-    const Chain chain{instance.transform, above};
-    const Box3f& bounds = place.has_scene() ? place.scene().top.bounds : place.object().wide.bounds;
-    const Box3f local = place.placement.to_object(box, instance.transform, bounds);
-    if (local.empty()) return;
-    const std::uint32_t number = first + place.number;
-    if (place.has_scene()) {
-      visit_objects_in(place.scene(), local, number, &chain, visit);
-    } else {
-      visit(place.object(), number, chain, local);
-    }
-  });
-}
 
 void append_triangles_in(const SceneStructure& scene, const Box3f& box,
                          std::vector<ScenePrimitiveId>& found) {

@@ -15,6 +15,7 @@
 #include "math/point_box.hpp"
 #include "math/vec3f.hpp"
 #include "queries/batches.hpp"
+#include "scene/chain.hpp"
 #include "scene/places.hpp"
 #include "traversal/dispatch.hpp"
 
@@ -93,18 +94,6 @@ double reach_in_object(const Placement& placement, const Vec3f& local, double sq
   const double reach =
       std::sqrt(squared_reach) * placement.largest_stretch() + 2.0 * placement.rounding_of(local);
   return reach * reach * (1.0 + 1e-12);
-}
-
-// The map that is `first` followed by `second`.
-Transform followed(const Transform& first, const Transform& second) {
-  Transform both;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 4; ++j) {
-      both.rows[i][j] = j == 3 ? second.rows[i][3] : 0.0;
-      for (int k = 0; k < 3; ++k) both.rows[i][j] += second.rows[i][k] * first.rows[k][j];
-    }
-  }
-  return both;
 }
 
 // The triangles of one instance.

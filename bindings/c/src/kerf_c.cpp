@@ -70,6 +70,8 @@ static_assert(same_layout<kerf_scene_point, kerf::ScenePoint> &&
 static_assert(same_layout<kerf_scene_primitive_id, kerf::ScenePrimitiveId> &&
               offsetof(kerf_scene_primitive_id, mesh) == offsetof(kerf::ScenePrimitiveId, mesh) &&
               offsetof(kerf_scene_primitive_id, instance) == offsetof(kerf::ScenePrimitiveId, instance));
+static_assert(same_layout<kerf_scene_touching_pair, kerf::SceneTouchingPair> &&
+              offsetof(kerf_scene_touching_pair, second) == offsetof(kerf::SceneTouchingPair, second));
 static_assert(same_layout<kerf_touching_pair, kerf::TouchingPair>);
 static_assert(same_layout<kerf_triangle, kerf::Triangle> && same_layout<kerf_box, kerf::Box3f> &&
               same_layout<kerf_transform, kerf::Transform>);
@@ -1007,6 +1009,24 @@ kerf_status kerf_scene_triangles_in(const kerf_scene* scene, const kerf_box* box
   return guarded([&] {
     require(scene, box, count);
     hand_out(scene->scene.triangles_in(std::bit_cast<kerf::Box3f>(*box)), ids, capacity, count);
+  });
+}
+kerf_status kerf_scene_touching_pairs(const kerf_scene* scene, const kerf_scene* other,
+                                      const kerf_transform* transform, kerf_scene_touching_pair* pairs,
+                                      size_t capacity, size_t* count) {
+  return guarded([&] {
+    require(scene, count);
+    if (other == nullptr && transform != nullptr) refuse("a transform is given for no other scene");
+    hand_out(other == nullptr ? scene->scene.touching_pairs()
+                              : scene->scene.touching_pairs(other->scene, to_transform(transform)),
+             pairs, capacity, count);
+  });
+}
+kerf_status kerf_scene_touches(const kerf_scene* scene, const kerf_scene* other,
+                               const kerf_transform* transform, int* touch) {
+  return guarded([&] {
+    require(scene, other, touch);
+    *touch = scene->scene.touches(other->scene, to_transform(transform));
   });
 }
 

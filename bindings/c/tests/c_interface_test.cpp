@@ -601,6 +601,29 @@ TEST_F(CScene, ManyAreAnsweredAsOneByOne) {
   }
 }
 
+TEST_F(CScene, TouchingPairsAreThoseOfCpp) {
+  const kerf_transform aside = {{{1, 0, 0, 0.3}, {0, 1, 0, 0}, {0, 0, 1, 0.2}}};
+  const auto pairs_of = [&](const kerf_scene* other, const kerf_transform* transform) {
+    std::size_t count = 0;
+    EXPECT_EQ(kerf_scene_touching_pairs(both, other, transform, nullptr, 0, &count), KERF_OK);
+    std::vector<kerf_scene_touching_pair> pairs(count);
+    EXPECT_EQ(kerf_scene_touching_pairs(both, other, transform, pairs.data(), count, &count), KERF_OK);
+    return as<kerf::SceneTouchingPair>(pairs);
+  };
+  const kerf::Scene row = cpp.instances()[0].scene;
+  const auto expected = cpp.touching_pairs(row, as<kerf::Transform>(aside));
+  EXPECT_FALSE(expected.empty());
+  EXPECT_EQ(pairs_of(ring, &aside), expected);
+  EXPECT_FALSE(cpp.touching_pairs().empty());
+  EXPECT_EQ(pairs_of(nullptr, nullptr), cpp.touching_pairs());
+  int touch;
+  ASSERT_EQ(kerf_scene_touches(both, ring, &aside, &touch), KERF_OK);
+  EXPECT_EQ(touch, 1);
+  std::size_t count;
+  EXPECT_EQ(kerf_scene_touching_pairs(both, nullptr, &aside, nullptr, 0, &count), KERF_INVALID_ARGUMENT);
+  EXPECT_EQ(kerf_scene_touches(both, nullptr, nullptr, &touch), KERF_INVALID_ARGUMENT);
+}
+
 TEST_F(CScene, ScenesAreSavedWithTheHandlesInThem) {
   const std::string path = ::testing::TempDir() + "kerf_c_scene.kerf";
   ASSERT_EQ(kerf_scene_save(both, path.c_str()), KERF_OK) << kerf_last_error();

@@ -58,6 +58,7 @@ int main() {
   expect(pair.triangles_in(around_one).size() ==
              bvh.triangles_in({{0.1f, 0.1f, -0.25f}, {0.9f, 0.9f, 0.5f}}).size(),
          "triangles of a scene in a box");
+  expect(pair.touching_pairs().empty() && pair.touching_pairs(pair).size() == 80, "touching instances");
   const kerf_transform far_off = {{{1, 0, 0, 0}, {0, 1, 0, 100}, {0, 0, 1, 0}}};
   const kerf11::Scene two({kerf11::instance(pair), kerf11::instance(pair, &far_off)});
   expect(two.instance_count() == 4 && two.path(3) == std::vector<std::uint32_t>({1, 1}), "scenes in a scene");

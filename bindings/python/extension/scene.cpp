@@ -1,4 +1,5 @@
 // Scenes of instances, and what is asked of them.
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include <kerf/scene.hpp>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/vector.h>
 
@@ -144,6 +146,27 @@ nb::tuple triangles_in(const Scene& scene, const Numbers<float>& boxes, unsigned
   }));
 }
 
+Transform transform_of(const std::array<double, 12>& numbers) {
+  Transform transform;
+  std::memcpy(transform.rows, numbers.data(), sizeof(transform.rows));
+  return transform;
+}
+
+nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<1>> touching_pairs(const Scene& scene, const Scene& other,
+                                                                 const std::array<double, 12>& transform,
+                                                                 unsigned threads) {
+  return to_bytes(
+      unlocked([&] { return scene.touching_pairs(other, transform_of(transform), {.threads = threads}); }));
+}
+
+nb::ndarray<nb::numpy, std::uint8_t, nb::ndim<1>> own_touching_pairs(const Scene& scene, unsigned threads) {
+  return to_bytes(unlocked([&] { return scene.touching_pairs({.threads = threads}); }));
+}
+
+bool touches(const Scene& scene, const Scene& other, const std::array<double, 12>& transform) {
+  return unlocked([&] { return scene.touches(other, transform_of(transform)); });
+}
+
 nb::tuple bounds(const Scene& scene) {
   const Box3f box = scene.bounds();
   return nb::make_tuple(nb::make_tuple(box.lower.x, box.lower.y, box.lower.z),
@@ -179,6 +202,9 @@ void add_scene(nb::module_& module) {
   module.def("scene_closest_point", &closest_point);
   module.def("scene_within", &within);
   module.def("scene_triangles_in", &triangles_in);
+  module.def("scene_touching_pairs", &touching_pairs);
+  module.def("scene_own_touching_pairs", &own_touching_pairs);
+  module.def("scene_touches", &touches);
 }
 
 }  // namespace kerf::python

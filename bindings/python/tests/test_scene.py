@@ -111,6 +111,27 @@ def test_a_file_holds_the_same_scene_and_each_object_once(tmp_path, ball, random
         read(tmp_path / "none.kerf")
 
 
+def test_touching_pairs_are_those_of_the_meshes(ball, random):
+    maps, others = any_transforms(12, random), any_transforms(10, random)
+    maps[:, :, 3] /= 4
+    others[:, :, 3] /= 4
+    scene, other = kerf_bvh.Scene(ball, maps), kerf_bvh.Scene(ball, others)
+    pairs, expected = scene.touching_pairs(other), merged(maps).touching_pairs(merged(others))
+    assert len(pairs) > 50 and scene.touches(other)
+    for mine, theirs in ((pairs.first, expected.first), (pairs.second, expected.second)):
+        assert np.array_equal(mine.instance, theirs.mesh)
+        assert np.array_equal(mine.primitive, theirs.primitive)
+    own, mesh = scene.touching_pairs(), merged(maps)
+    all_pairs = mesh.touching_pairs(mesh)
+    assert len(own) == (all_pairs.first.mesh < all_pairs.second.mesh).sum() > 0
+    assert len(scene.touching_pairs(ball, others[0])) == (pairs.second.instance == 0).sum()
+    assert not scene.touches(ball, np.eye(4)[:3] + [[0, 0, 0, 100]] * 3)
+    with pytest.raises(ValueError, match="transform: one for no other"):
+        scene.touching_pairs(transform=np.eye(4))
+    with pytest.raises(TypeError, match="other: int"):
+        scene.touches(7)
+
+
 def test_points_are_answered_as_in_one_mesh_under_any_transform(ball, random):
     maps = any_transforms(30, random)
     scene, mesh = kerf_bvh.Scene(ball, maps), merged(maps)

@@ -465,6 +465,12 @@ typedef struct kerf_scene_primitive_id {
   uint32_t instance;
 } kerf_scene_primitive_id;
 
+/* Two triangles of instances that have a point in common. */
+typedef struct kerf_scene_touching_pair {
+  kerf_scene_primitive_id first;  /* of the scene that was asked */
+  kerf_scene_primitive_id second; /* of the other */
+} kerf_scene_touching_pair;
+
 /* One scene, which belongs to the caller and is an owner of what stands in it. Of the options, `threads`
  * counts. On failure *scene is null. */
 KERF_C_API kerf_status kerf_build_scene(const kerf_instance* instances, size_t instance_count,
@@ -531,6 +537,18 @@ KERF_C_API kerf_status kerf_scene_within(const kerf_scene* scene, const float po
  * whose corners are moved to the scene in double precision and rounded to floats once. */
 KERF_C_API kerf_status kerf_scene_triangles_in(const kerf_scene* scene, const kerf_box* box,
                                                kerf_scene_primitive_id* ids, size_t capacity, size_t* count);
+/* All pairs of a triangle of `scene` and one of `other`, moved by `transform` (null: not at all); each once
+ * for each pair of instances, in the order of (instance, mesh, primitive) of the first, then of the second.
+ * Exact as `kerf_touching_pairs` is, for corners of the second that are moved to the space of the first one's
+ * object. Where `other` is null: of two instances of `scene`, the lower one first; `transform` is null then.
+ */
+KERF_C_API kerf_status kerf_scene_touching_pairs(const kerf_scene* scene, const kerf_scene* other,
+                                                 const kerf_transform* transform,
+                                                 kerf_scene_touching_pair* pairs, size_t capacity,
+                                                 size_t* count);
+/* Whether there is a pair with `other`, which is not null. */
+KERF_C_API kerf_status kerf_scene_touches(const kerf_scene* scene, const kerf_scene* other,
+                                          const kerf_transform* transform, int* touch);
 
 /* Many: as the calls for hierarchies, in arrays of what one call answers with. */
 KERF_C_API kerf_status kerf_scene_intersect_many(const kerf_scene* scene, const kerf_rays* rays,

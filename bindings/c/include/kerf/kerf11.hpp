@@ -304,6 +304,20 @@ class Scene {
           return kerf_scene_triangles_in(scene_, &box, to, capacity, count);
         });
   }
+  std::vector<kerf_scene_touching_pair> touching_pairs(const Scene& other,
+                                                       const kerf_transform* transform = nullptr) const {
+    return detail::list<kerf_scene_touching_pair>(
+        [&](kerf_scene_touching_pair* to, std::size_t capacity, std::size_t* count) {
+          return kerf_scene_touching_pairs(scene_, other.scene_, transform, to, capacity, count);
+        });
+  }
+  /// Of two instances of this scene.
+  std::vector<kerf_scene_touching_pair> touching_pairs() const {
+    return detail::list<kerf_scene_touching_pair>(
+        [&](kerf_scene_touching_pair* to, std::size_t capacity, std::size_t* count) {
+          return kerf_scene_touching_pairs(scene_, nullptr, nullptr, to, capacity, count);
+        });
+  }
 
   /// Many rays on `threads` threads, 0 for all cores.
   std::vector<kerf_scene_hit> intersect(const std::vector<kerf_ray>& rays, std::uint32_t threads = 0) const {

@@ -184,6 +184,16 @@ class TouchingPairs(Columns):
     """Of the other."""
 
 
+@dataclass(frozen=True, eq=False)
+class SceneTouchingPairs(Columns):
+    """Pairs of triangles of instances that have a point in common, in the order of `first`, then of `second`."""
+
+    first: ScenePrimitives
+    """Of the scene that was asked."""
+    second: ScenePrimitives
+    """Of the other, or of a higher instance of the same."""
+
+
 class Lists(Generic[T]):
     """A list of answers for each of many questions, one list after the other."""
 

@@ -23,6 +23,7 @@ from ._results import (
     SceneHits,
     ScenePoints,
     ScenePrimitives,
+    SceneTouchingPairs,
     offsets_of,
     scene_hits_of,
     scene_primitives_of,
@@ -256,7 +257,7 @@ class Scene:
         offsets, items = _kerf.scene_within(self._scene, local, radius, check_threads(threads))
         return Lists(offsets_of(offsets), _scene_points(items.view(SCENE_POINT), points))
 
-    # Boxes
+    # Boxes, other scenes
 
     def triangles_in(self, boxes: ArrayLike, *, threads: int = 0) -> Lists[ScenePrimitives]:
         """Every triangle that has a point in a box, once for each instance, ordered by (instance, mesh, primitive).
@@ -268,6 +269,33 @@ class Scene:
         corners = np.ascontiguousarray(rounded(boxes_of(boxes)))
         offsets, items = _kerf.scene_triangles_in(self._scene, corners.reshape(-1), check_threads(threads))
         return Lists(offsets_of(offsets), scene_primitives_of(items.view(SCENE_PRIMITIVE)))
+
+    def touching_pairs(
+        self, other: Scene | Bvh | None = None, transform: ArrayLike | None = None, *, threads: int = 0
+    ) -> SceneTouchingPairs:
+        """All pairs of a triangle of this scene and one of `other`, moved, that have a point in common.
+
+        other: a scene; or a `Bvh`, whose triangles are of instance 0; or None: then of two instances of this scene,
+            the lower one first.
+        transform: (3, 4) or (4, 4), an affine map of the coordinates of `other`; None leaves it where it is.
+
+        Touching counts. Each pair once for each pair of instances. Corners of the second are moved to the space of
+        the first one's object in double precision and rounded to float32 there, each once; for the triangles as
+        they are then, the answer is exact.
+        """
+        if other is None:
+            if transform is not None:
+                raise ValueError("transform: one for no other scene")
+            pairs = _kerf.scene_own_touching_pairs(self._scene, check_threads(threads))
+        else:
+            rows = _one_map(transform)
+            pairs = _kerf.scene_touching_pairs(self._scene, _as_scene(other), rows, check_threads(threads))
+        records = pairs.view(np.dtype([("first", SCENE_PRIMITIVE), ("second", SCENE_PRIMITIVE)]))
+        return SceneTouchingPairs(scene_primitives_of(records["first"]), scene_primitives_of(records["second"]))
+
+    def touches(self, other: Scene | Bvh, transform: ArrayLike | None = None) -> bool:
+        """Whether there is such a pair with `other`. Stops at the first that is found."""
+        return _kerf.scene_touches(self._scene, _as_scene(other), _one_map(transform))
 
     # What it is
 
@@ -334,6 +362,19 @@ def _scene_points(records: npt.NDArray[Any], points: ArrayLike) -> ScenePoints:
     position = records["position"].astype(triples_of(points, "points").dtype, copy=False)
     names = ("distance", "u", "v", "primitive", "mesh", "instance")
     return ScenePoints(position, *(records[name] for name in names))
+
+
+def _as_scene(other: Scene | Bvh) -> _kerf.Scene:
+    if not isinstance(other, (Bvh, Scene)):
+        raise TypeError(f"other: {type(other).__name__}, where a Scene or a Bvh is needed")
+    return (Scene(other) if isinstance(other, Bvh) else other)._scene
+
+
+def _one_map(transform: ArrayLike | None) -> list[float]:
+    rows = affine_of(np.eye(4) if transform is None else transform, "transform")
+    if rows.ndim != 2:
+        raise ValueError(f"transform: shape {rows.shape}, where (3, 4) or (4, 4) is needed")
+    return [float(number) for number in rows.reshape(-1)]
 
 
 def _frames(objects: Sequence[Bvh | Scene], which: UInt32, transforms: Float64) -> Float64:
