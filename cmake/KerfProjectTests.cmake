@@ -3,6 +3,7 @@
 add_test(NAME Architecture.RoomsIncludeOnlyWhatTheyMay COMMAND ${PROJECT_SOURCE_DIR}/scripts/check-includes)
 include(KerfDocuments)
 include(KerfRefusedTypes)
+include(KerfProgramSize)
 
 # An installed copy, found and used as a stranger would.
 function(kerf_test_package name)

@@ -11,19 +11,14 @@
 // packaged oneTBB was not: every task would seem to race with its parent. So it needs `std`.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
+#include <optional>
+#include <type_traits>
+#include <utility>
 
 #include "base/fp_environment.hpp"
+#include "base/function_ref.hpp"
 #include "base/team.hpp"
-
-#if !defined(KERF_STANDARD_THREADS) && !defined(KERF_SERIAL)
-#include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
-#include <tbb/task_arena.h>
-#endif
 
 namespace kerf {
 
@@ -42,19 +37,7 @@ class IndexRange {
 
 /// The number of threads that work where `wanted` are asked for; 0 asks for all. oneTBB never has more than
 /// its `max_allowed_parallelism`, and prints a warning if more are asked for.
-inline int usable_threads(unsigned wanted) {
-#if defined(KERF_SERIAL)
-  unsigned available = 1;
-#elif defined(KERF_STANDARD_THREADS)
-  unsigned available = std::max(1u, std::thread::hardware_concurrency());
-#else
-  auto available =
-      static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-#endif
-  if (const Team* const team = Team::current(); team != nullptr && team->pool() != nullptr)
-    available = static_cast<unsigned>(team->threads());
-  return static_cast<int>(wanted == 0 ? available : std::min(wanted, available));
-}
+int usable_threads(unsigned wanted);
 
 /// Calls `work` and returns what it returns. Loops in it stay on this thread and never enter the scheduler.
 template <class Work>
@@ -67,40 +50,26 @@ auto on_this_thread(const Work& work) {
   return work();
 }
 
-/// What loops run on: never entered where `one_thread_only` holds.
+/// What loops run on, compiled once for all of them. Never entered where `one_thread_only` holds.
 namespace scheduler {
 
-// In the team of this thread, or in one for this call alone.
-template <class Work>
-auto in_team(const Work& work) {
-  if (Team* const team = Team::current()) return work(*team);
-  Team team(usable_threads(0));
-  return team.lead([&] { return work(team); });
-}
+void invoke(FunctionRef<void()> first, FunctionRef<void()> second);
+void loop(std::size_t begin, std::size_t end, std::size_t grain,
+          FunctionRef<void(std::size_t, std::size_t)> body);
+void isolated(FunctionRef<void()> work);
+void on_threads(unsigned wanted, FunctionRef<void()> work);
 
-template <class First, class Second>
-void invoke(const First& first, const Second& second) {
-#if !defined(KERF_STANDARD_THREADS) && !defined(KERF_SERIAL)
-  if (Team::current() == nullptr) return tbb::parallel_invoke(first, second);
-#endif
-  in_team([&](Team& team) { team.invoke(first, second); });
-}
-
-template <class Index, class Body>
-void loop(Index begin, Index end, std::size_t grain, const Body& body) {
-#if !defined(KERF_STANDARD_THREADS) && !defined(KERF_SERIAL)
-  if (Team::current() == nullptr) {
-    tbb::parallel_for(
-        tbb::blocked_range<Index>(begin, end, grain),
-        [&](const tbb::blocked_range<Index>& range) { body(IndexRange<Index>(range.begin(), range.end())); });
-    return;
+// What `work` returns, where `run` calls it.
+template <class Run, class Work>
+auto returned(const Run& run, const Work& work) {
+  using Result = std::invoke_result_t<const Work&>;
+  if constexpr (std::is_void_v<Result>) {
+    run(work);
+  } else {
+    std::optional<Result> result;
+    run([&] { result.emplace(work()); });
+    return std::move(*result);
   }
-#endif
-  in_team([&](Team& team) {
-    team.loop(static_cast<std::size_t>(end - begin), grain, [&](std::size_t from, std::size_t to) {
-      body(IndexRange<Index>(static_cast<Index>(begin + from), static_cast<Index>(begin + to)));
-    });
-  });
 }
 
 }  // namespace scheduler
@@ -117,21 +86,21 @@ void parallel_for_ranges(Index begin, Index end, std::size_t grain, const Body& 
     }
     return;
   }
-  scheduler::loop(begin, end, grain, [&](const IndexRange<Index>& range) {
+  scheduler::loop(begin, end, grain, [&](std::size_t from, std::size_t to) {
     const PlainFloatingPoint plain;
-    body(range);
+    body(IndexRange<Index>(static_cast<Index>(from), static_cast<Index>(to)));
   });
 }
 
 /// Calls `body(i)` for every i of `0 .. count - 1`.
 template <class Index, class Body>
 void parallel_for(Index count, const Body& body) {
-  const auto each = [&](const IndexRange<Index>& range) {
+  const auto each = [&](std::size_t begin, std::size_t end) {
     const PlainFloatingPoint plain;
-    for (Index i = range.begin(); i < range.end(); ++i) body(i);
+    for (std::size_t i = begin; i < end; ++i) body(static_cast<Index>(i));
   };
-  if (one_thread_only || count <= 1) return each(IndexRange<Index>(0, count));
-  scheduler::loop(Index{0}, count, 1, each);
+  if (one_thread_only || count <= 1) return each(0, count);
+  scheduler::loop(0, count, 1, each);
 }
 
 /// Calls both, possibly at the same time.
@@ -175,13 +144,7 @@ Sum parallel_sum(Index count, std::size_t grain, const Body& body) {
 /// called, on the same thread, with the same thread-local data and locks.
 template <class Work>
 auto isolated(const Work& work) {
-  if (one_thread_only || Team::current() != nullptr) return work();
-#if defined(KERF_SERIAL) || defined(KERF_STANDARD_THREADS)
-  Team team(usable_threads(0));
-  return team.lead(work);
-#else
-  return tbb::this_task_arena::isolate(work);
-#endif
+  return scheduler::returned([](FunctionRef<void()> call) { scheduler::isolated(call); }, work);
 }
 
 /// Calls `work` on `wanted` threads and returns what it returns; 0 stands for the threads of the caller's
@@ -189,22 +152,7 @@ auto isolated(const Work& work) {
 /// One thread needs no arena at all.
 template <class Work>
 auto on_threads(unsigned wanted, const Work& work) {
-  if (wanted == 0 || one_thread_only) return isolated(work);
-  const int threads = usable_threads(wanted);
-  if (threads == 1) return on_this_thread(work);
-  if (Team* const team = Team::current(); team != nullptr && team->pool() != nullptr) {
-    if (team->threads() == threads) return work();
-    Team part(threads, team->pool());
-    return part.lead(work);
-  }
-#if defined(KERF_SERIAL) || defined(KERF_STANDARD_THREADS)
-  Team team(threads);
-  return team.lead(work);
-#else
-  if (tbb::this_task_arena::max_concurrency() == threads) return isolated(work);
-  tbb::task_arena arena(threads);
-  return arena.execute(work);
-#endif
+  return scheduler::returned([&](FunctionRef<void()> call) { scheduler::on_threads(wanted, call); }, work);
 }
 
 }  // namespace kerf

@@ -11,6 +11,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "simd/fallback-inl.h"
+
 #include "construction/load_corner-inl.h"
 #include "construction/sbvh/reference-inl.h"
 #include "simd/box-inl.h"

@@ -12,6 +12,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "simd/fallback-inl.h"
+
 #ifndef KERF_LAYOUT_COLLAPSE_DISTRIBUTION
 #define KERF_LAYOUT_COLLAPSE_DISTRIBUTION
 namespace kerf {

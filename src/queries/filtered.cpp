@@ -25,10 +25,10 @@ class Judge {
       asked_.emplace();
   }
 
-  static bool accepts(void* judge, const Hit& hit) { return static_cast<Judge*>(judge)->accepts(hit); }
+  static bool accepts(void* judge, const Hit& hit) { return static_cast<Judge*>(judge)->counts(hit); }
 
  private:
-  bool accepts(Hit hit) {
+  bool counts(Hit hit) {
     const std::uint32_t id = hit.primitive;
     name_triangle(structure_, hit);
     if (!structure_.masks.empty() && (structure_.masks[hit.mesh] & mask_.bits) == 0) return false;

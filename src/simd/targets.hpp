@@ -58,3 +58,12 @@
 #endif
 
 #include <hwy/targets.h>
+
+// The versions of a function, in the order of HWY_EXPORT. That one's table can be named in one file alone.
+#if HWY_IDE || (HWY_TARGETS & (HWY_TARGETS - 1)) == 0
+#define KERF_VERSIONS(function) \
+  { &HWY_STATIC_DISPATCH(function) }
+#else
+#define KERF_VERSIONS(function) \
+  { nullptr, HWY_CHOOSE_TARGET_LIST(function), HWY_CHOOSE_FALLBACK(function) }
+#endif

@@ -12,20 +12,12 @@ HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 
-#define KERF_KERNEL(name, Result, parameters) Result name parameters;
-#include "traversal/kernels.def"
-#undef KERF_KERNEL
-
-const Kernels* kernels() {
-#define KERF_KERNEL(name, Result, parameters) .name = name,
-  static const Kernels table{
-      .target = hwy::TargetName(HWY_TARGET),
-      .float_lanes = KERF_FLOAT_LANES,
-      .node_width = KERF_NODE_WIDTH,
-#include "traversal/kernels.def"
-  };
-#undef KERF_KERNEL
-  return &table;
+const Kernels* kernels(std::size_t table_index) {
+  static const Kernels kernels{.table_index = table_index,
+                               .target = hwy::TargetName(HWY_TARGET),
+                               .float_lanes = KERF_FLOAT_LANES,
+                               .node_width = KERF_NODE_WIDTH};
+  return &kernels;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -38,7 +30,8 @@ namespace kerf {
 HWY_EXPORT(kernels);
 
 const Kernels& choose_kernels() {
-  return *KERF_DISPATCH(kernels, choose_target())();
+  const Target target = choose_target();
+  return *KERF_DISPATCH(kernels, target)(target.table_index);
 }
 
 }  // namespace kerf

@@ -14,6 +14,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "simd/fallback-inl.h"
+
 #include "construction/sbvh/find_splits-inl.h"
 #include "construction/sbvh/object_partition-inl.h"
 #include "construction/sbvh/object_sweep-inl.h"

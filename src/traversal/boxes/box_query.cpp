@@ -10,6 +10,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "simd/fallback-inl.h"
+
 #include "traversal/boxes/box_overlap-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -38,3 +40,11 @@ void visit_box(const WideBvh& bvh, const Box3f& box, void* visitor,
 }  // namespace HWY_NAMESPACE
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf {
+
+KERF_EXPORT_KERNEL(visit_box);
+
+}  // namespace kerf
+#endif

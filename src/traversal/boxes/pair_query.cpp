@@ -13,6 +13,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "simd/fallback-inl.h"
+
 #include "traversal/boxes/box_overlap-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -130,3 +132,12 @@ void visit_pairs(const WideBvh& first, const WideBvh& second, const Motion& moti
 }  // namespace HWY_NAMESPACE
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf {
+
+KERF_EXPORT_KERNEL(open_pairs);
+KERF_EXPORT_KERNEL(visit_pairs);
+
+}  // namespace kerf
+#endif

@@ -18,6 +18,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "simd/fallback-inl.h"
+
 #include "traversal/lines/line_leaf-inl.h"
 #include "traversal/lines/line_walk-inl.h"
 
@@ -206,3 +208,14 @@ Side side_of(const WideBvh& bvh, const Vec3f& point) {
 }  // namespace HWY_NAMESPACE
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf {
+
+KERF_EXPORT_KERNEL(count_crossings);
+KERF_EXPORT_KERNEL(find_crossings);
+KERF_EXPORT_KERNEL(visit_crossings);
+KERF_EXPORT_KERNEL(side_of);
+
+}  // namespace kerf
+#endif

@@ -15,6 +15,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "simd/fallback-inl.h"
+
 #include "traversal/points/point_boxes-inl.h"
 #include "traversal/points/point_triangles-inl.h"
 
@@ -140,3 +142,13 @@ void triangles_within(const WideBvh& bvh, const Vec3f& point, double reach,
 }  // namespace HWY_NAMESPACE
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf {
+
+KERF_EXPORT_KERNEL(closest_triangle);
+KERF_EXPORT_KERNEL(nearest_triangles);
+KERF_EXPORT_KERNEL(triangles_within);
+
+}  // namespace kerf
+#endif

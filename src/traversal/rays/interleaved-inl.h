@@ -59,12 +59,12 @@ class Interleaved {
   HWY_INLINE Interleaved(const WideBvh& bvh, const Ray* rays, const std::uint32_t* which, std::size_t count)
       : bvh_(bvh), rays_(rays), which_(which), count_(count) {}
 
-  // `finish(which[i], hit)` is called once per ray, in any order. `single(ray)` traces the few rays that have
+  // `finish(which[i], hit)` is called once per ray, in any order. `scale(ray)` traces the few rays that have
   // to be scaled.
-  template <class Finish, class Single>
-  HWY_INLINE void run(Finish&& finish, Single&& single) {
+  template <class Finish, class Scale>
+  HWY_INLINE void run(Finish&& finish, Scale&& scale) {
     Lists lists;
-    for (std::uint32_t i = 0; i < width; ++i) start(i, lists, finish, single);
+    for (std::uint32_t i = 0; i < width; ++i) start(i, lists, finish, scale);
     while (lists.nodes + lists.leaves > 0) {
       const Lists round = lists;
       lists.nodes = lists.leaves = 0;
@@ -75,7 +75,7 @@ class Interleaved {
           const RayState& state = states_[index];
           finish(state.result, any_hit ? Hit{.primitive = state.best.primitive}
                                        : settled_hit(bvh_, rays_[state.result], state.best));
-          start(index, lists, finish, single);
+          start(index, lists, finish, scale);
         } else {
           test(index, lists);
         }
@@ -85,14 +85,14 @@ class Interleaved {
 
  private:
   // Starts the next ray in this place, if there is one.
-  template <class Finish, class Single>
-  HWY_INLINE void start(std::uint32_t index, Lists& lists, Finish&& finish, Single&& single) {
+  template <class Finish, class Scale>
+  HWY_INLINE void start(std::uint32_t index, Lists& lists, Finish&& finish, Scale&& scale) {
     RayState& state = states_[index];
     while (next_ < count_) {
       const std::uint32_t i = which_[next_++];
       const Ray& ray = rays_[i];
       if (HWY_UNLIKELY(!set_up(ray, bvh_, state.ray))) {
-        finish(i, single(ray));
+        finish(i, scale(ray));
         continue;
       }
       state.node_constants.set(state.ray);

@@ -15,6 +15,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "simd/fallback-inl.h"
+
 #include "traversal/node-inl.h"
 #include "traversal/rays/node_step-inl.h"
 #include "traversal/rays/prepared_ray.hpp"

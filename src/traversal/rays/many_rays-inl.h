@@ -63,8 +63,9 @@ HWY_INLINE void trace_batch(const WideBvh& bvh, const Ray* rays, std::uint32_t c
     return;
   }
   Interleaved<any_hit> interleaved(bvh, rays, incoherent, incoherent_count);
-  interleaved.run(finish,
-                  [&](const Ray& ray) HWY_ATTR { return trace_any_ray<any_hit, false>(bvh, ray, nullptr); });
+  interleaved.run(finish, [&](const Ray& ray) HWY_ATTR {
+    return trace_prepared<any_hit, false>(bvh, ray, NoFilter(), nullptr);
+  });
 }
 
 template <bool any_hit, class Finish>

@@ -7,11 +7,14 @@
 
 #include "layout/wide_bvh.hpp"
 #include "simd/targets.hpp"
+#include "traversal/dispatch.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "traversal/rays/ray_query.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include "simd/fallback-inl.h"
 
 #include "traversal/rays/many_rays-inl.h"
 #include "traversal/rays/single_ray-inl.h"
@@ -113,3 +116,20 @@ std::uint64_t repeat_leaf_tests(const WideBvh& bvh, const Ray& caller_ray, Child
 }  // namespace HWY_NAMESPACE
 }  // namespace kerf
 HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf {
+
+KERF_EXPORT_KERNEL(closest);
+KERF_EXPORT_KERNEL(any);
+KERF_EXPORT_KERNEL(closest_many);
+KERF_EXPORT_KERNEL(any_many);
+KERF_EXPORT_KERNEL(closest_filtered);
+KERF_EXPORT_KERNEL(any_filtered);
+KERF_EXPORT_KERNEL(closest_counted);
+KERF_EXPORT_KERNEL(any_counted);
+KERF_EXPORT_KERNEL(repeat_node_steps);
+KERF_EXPORT_KERNEL(repeat_leaf_tests);
+
+}  // namespace kerf
+#endif

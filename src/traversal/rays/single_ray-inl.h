@@ -89,40 +89,46 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
   }
 }
 
+// The same, compiled once for rays that take their time anyway: counted, filtered, or scaled before.
+template <bool any_hit, bool counting, class Filter>
+HWY_NOINLINE HWY_ATTR Hit trace_out_of_line(const WideBvh& bvh, const Ray& caller_ray, const WideRay& ray,
+                                            const Filter& filter, TraversalCounters* counters) {
+  return trace<any_hit, counting>(bvh, caller_ray, ray, filter, counters);
+}
+
 // Traces a ray that has to be scaled before.
 template <bool any_hit, bool counting, class Filter>
 HWY_NOINLINE HWY_ATTR Hit trace_prepared(const WideBvh& bvh, const Ray& ray, Filter filter,
                                          TraversalCounters* counters) {
   const PreparedRay prepared(ray, is_far(far_side(ray.origin, bvh.bounds), bvh));
   if (!prepared.valid()) return Hit{};
+  // The range that is traced holds every t which rounds into the caller's, and a few more.
+  const bool is_wider = !Filter::filters && prepared.has_subnormal_end(ray);
+  if constexpr (any_hit && !Filter::filters) {  // a hit that tells its t
+    if (is_wider)
+      return Hit{.primitive = trace_prepared<false, counting>(bvh, ray, filter, counters).primitive};
+  }
   Ray scaled{.origin = prepared.origin,
              .direction = prepared.direction,
              .t_min = prepared.t_min,
              .t_max = prepared.t_max};
   WideRay wide;
-  if (!set_up<true>(scaled, bvh, wide)) return Hit{};
   if constexpr (Filter::filters) {
     filter.prepared = &prepared;
     filter.caller = &ray;
   }
-  if (Filter::filters || !prepared.has_subnormal_end(ray)) {
-    Hit hit = trace<any_hit, counting>(bvh, scaled, wide, filter, counters);
-    if (hit) hit.t = prepared.unscaled(hit.t);
-    return hit;
-  }
-  // The range that is traced holds every t which rounds into the caller's, and a few more.
-  while (true) {
-    Hit hit = trace<false, counting>(bvh, scaled, wide, filter, counters);
+  while (scaled.t_min <= scaled.t_max && set_up<true>(scaled, bvh, wide)) {
+    Hit hit = trace_out_of_line<any_hit, counting>(bvh, scaled, wide, filter, counters);
     if (!hit) return Hit{};
     const float t = prepared.unscaled(hit.t);
-    if (t > ray.t_max) return Hit{};
-    if (t >= ray.t_min) {
+    if (is_wider && t > ray.t_max) return Hit{};
+    if (!is_wider || t >= ray.t_min) {
       hit.t = t;
-      return any_hit ? Hit{.primitive = hit.primitive} : hit;
+      return hit;
     }
     scaled.t_min = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
-    if (!(scaled.t_min <= scaled.t_max) || !set_up<true>(scaled, bvh, wide)) return Hit{};
   }
+  return Hit{};
 }
 
 template <bool any_hit, bool counting, class Filter = NoFilter>
@@ -131,6 +137,8 @@ HWY_INLINE Hit trace_any_ray(const WideBvh& bvh, const Ray& ray, TraversalCounte
   WideRay wide;
   if (HWY_UNLIKELY(!set_up(ray, bvh, wide)))
     return trace_prepared<any_hit, counting>(bvh, ray, filter, counters);
+  if constexpr (counting || Filter::filters)
+    return trace_out_of_line<any_hit, counting>(bvh, ray, wide, filter, counters);
   return trace<any_hit, counting>(bvh, ray, wide, filter, counters);
 }
 
