@@ -47,7 +47,8 @@ void warn_of_flattened_triangles(const workbench::Scene& scene) {
       stderr,
       "kerf: {}: rounding to floats takes the area of {} of {} triangles; subtract a point near them from "
       "all coordinates before they are written (a local frame)\n",
-      scene.name, scene.contents.flattened_triangles, scene.triangles.size());
+      scene.name, scene.contents.flattened_triangles,
+      scene.placed ? scene.placed->stored_triangles() : scene.triangles.size());
 }
 
 }  // namespace
@@ -172,7 +173,8 @@ void add_format_option(CLI::App& command, std::string& format) {
       ->type_name("FORMAT");
 }
 
-std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs, const std::string& format) {
+std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs, const std::string& format,
+                                          workbench::Repeats repeats) {
   for (const std::string& spec : specs) {
     try {
       workbench::parse_scene_spec(spec);
@@ -182,7 +184,7 @@ std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs,
   }
   std::vector<workbench::Scene> scenes;
   for (const std::string& spec : specs) {
-    scenes.push_back(workbench::load_scene(spec, format));
+    scenes.push_back(workbench::load_scene(spec, format, repeats));
     warn_of_flattened_triangles(scenes.back());
   }
   return scenes;

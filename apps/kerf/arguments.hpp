@@ -78,7 +78,8 @@ void add_format_option(CLI::App& command, std::string& format);
 /// Loads all scenes; files are of `format` if that is not empty. Commands do so before any other work, so
 /// that errors in any of them show at once. A line on standard error names scenes of which rounding to floats
 /// destroys triangles.
-std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs, const std::string& format);
+std::vector<workbench::Scene> load_scenes(const std::vector<std::string>& specs, const std::string& format,
+                                          workbench::Repeats repeats = workbench::Repeats::flattened);
 
 /// Returns what `work` returns. Errors of the library name no file, so this puts the name of the scene before
 /// their sentence.

@@ -92,7 +92,9 @@ void bench(const BenchArguments& arguments) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   const kerf::Quality quality = parse_quality("--quality", arguments.quality);
   if (!arguments.json.empty()) require_writable(arguments.json);
-  const std::vector<Scene> scenes = load_scenes(arguments.scenes, arguments.format);
+  // The limits are those of one hierarchy.
+  const Repeats repeats = arguments.limits ? Repeats::flattened : Repeats::kept;
+  const std::vector<Scene> scenes = load_scenes(arguments.scenes, arguments.format, repeats);
   const std::vector<std::string> isas = peer_isas(arguments);
 
   std::string versions;

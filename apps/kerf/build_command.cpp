@@ -3,14 +3,19 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <kerf/kerf.hpp>
+#include <kerf/scene.hpp>
 
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "output.hpp"
 #include "workbench/compare/measures.hpp"
+#include "workbench/scene/placed.hpp"
 #include "workbench/terminal/progress.hpp"
 
 namespace kerf_tool {
@@ -39,7 +44,8 @@ void check_output(const std::string& name) {
 }
 
 // The bytes of a saved hierarchy, which is saved to a file that is gone before this returns.
-std::string saved_bytes(const kerf::Bvh& bvh) {
+template <class Hierarchy>
+std::string saved_bytes(const Hierarchy& hierarchy) {
   std::string directory = (std::filesystem::temp_directory_path() / "kerf-XXXXXX").string();
   if (::mkdtemp(directory.data()) == nullptr)
     throw kerf::Error(kerf::Error::io, directory + ": cannot be made");
@@ -51,9 +57,46 @@ std::string saved_bytes(const kerf::Bvh& bvh) {
     }
   } removed{directory};
   const std::filesystem::path file = std::filesystem::path(directory) / "hierarchy.kerf";
-  bvh.save(file);
+  hierarchy.save(file);
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string describe(const kerf::BvhStatistics& statistics) {
+  return fmt::format("{} triangles, {} references, {} bytes, built in {:.1f} ms",
+                     workbench::format_count(statistics.triangles),
+                     workbench::format_count(statistics.references),
+                     workbench::format_count(statistics.bytes), 1e3 * statistics.build_seconds);
+}
+
+// Each mesh once, and where it stands.
+kerf::Scene build_places(const workbench::PlacedMeshes& placed, const kerf::BuildOptions& options,
+                         std::string& description) {
+  kerf::BvhStatistics sum;
+  std::vector<kerf::Bvh> objects;
+  for (const workbench::PlacedMeshes::Mesh& mesh : placed.meshes) {
+    objects.push_back(kerf::build(mesh.mesh(), options));
+    const kerf::BvhStatistics& of_one = objects.back().statistics();
+    sum.triangles += of_one.triangles;
+    sum.references += of_one.references;
+    sum.bytes += of_one.bytes;
+    sum.build_seconds += of_one.build_seconds;
+  }
+  description = fmt::format("{} instances of {} meshes, {}", workbench::format_count(placed.places.size()),
+                            workbench::format_count(placed.meshes.size()), describe(sum));
+  return workbench::build_scene(placed, objects, options);
+}
+
+template <class Hierarchy>
+void save(const Hierarchy& hierarchy, const Options& options, const std::string& description,
+          workbench::ProgressBar& bar) {
+  if (options.output == standard_output) {
+    bar.clear();
+    return write_output(standard_output, saved_bytes(hierarchy));
+  }
+  hierarchy.save(options.output);
+  bar.clear();
+  write_output(standard_output, fmt::format("{}: {}\n", options.output, description));
 }
 
 void run(const Options& options) {
@@ -71,20 +114,16 @@ void run(const Options& options) {
   };
   check_output(options.output);
   require_writable(options.output);
-  const workbench::Scene scene = std::move(load_scenes({options.scene}, options.format).front());
-  const kerf::Bvh bvh = name_errors(scene, [&] { return kerf::build(scene.mesh(), build); });
-  if (options.output == standard_output) {
-    bar.clear();
-    return write_output(standard_output, saved_bytes(bvh));
+  const workbench::Scene scene =
+      std::move(load_scenes({options.scene}, options.format, workbench::Repeats::kept).front());
+  if (scene.placed) {
+    std::string description;
+    const kerf::Scene places =
+        name_errors(scene, [&] { return build_places(*scene.placed, build, description); });
+    return save(places, options, description, bar);
   }
-  bvh.save(options.output);
-  bar.clear();
-  const kerf::BvhStatistics& statistics = bvh.statistics();
-  write_output(standard_output,
-               fmt::format("{}: {} triangles, {} references, {} bytes, built in {:.1f} ms\n", options.output,
-                           workbench::format_count(statistics.triangles),
-                           workbench::format_count(statistics.references),
-                           workbench::format_count(statistics.bytes), 1e3 * statistics.build_seconds));
+  const kerf::Bvh bvh = name_errors(scene, [&] { return kerf::build(scene.mesh(), build); });
+  save(bvh, options, describe(bvh.statistics()), bar);
 }
 
 }  // namespace

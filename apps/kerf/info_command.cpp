@@ -16,6 +16,7 @@
 #include "output.hpp"
 #include "run_json.hpp"
 #include "workbench/compare/measures.hpp"
+#include "workbench/scene/placed.hpp"
 #include "workbench/scene/surface.hpp"
 
 namespace kerf_tool {
@@ -43,11 +44,19 @@ struct TreeFacts {
   std::size_t duplicates() const { return counts.references - distinct; }
 };
 
+// What standing at places costs, and what it saves.
+struct PlaceFacts {
+  std::size_t instances = 0, meshes = 0, stored_triangles = 0;
+  std::size_t bytes = 0;         // of the scene and of each hierarchy once
+  std::size_t copied_bytes = 0;  // of the hierarchies, if each copy had its own
+};
+
 struct Facts {
   SurfaceFacts surface;
   kerf::BvhStatistics traced;
   kerf::Box3f bounds;
   TreeFacts tree;
+  std::optional<PlaceFacts> places = {};  // of meshes at places; `tree` and `traced` are of all meshes then
 };
 
 std::size_t count_distinct(std::vector<std::uint32_t> ids) {
@@ -103,7 +112,50 @@ TreeFacts facts_of_saved(const kerf::Bvh& bvh) {
   return facts;
 }
 
+void add(TreeFacts& sum, const TreeFacts& tree) {
+  sum.counts.nodes += tree.counts.nodes;
+  sum.counts.leaves += tree.counts.leaves;
+  sum.counts.depth = std::max(sum.counts.depth, tree.counts.depth);
+  sum.counts.references += tree.counts.references;
+  std::vector<std::size_t>& sizes = sum.counts.leaf_sizes;
+  sizes.resize(std::max(sizes.size(), tree.counts.leaf_sizes.size()));
+  for (std::size_t i = 0; i < tree.counts.leaf_sizes.size(); ++i) sizes[i] += tree.counts.leaf_sizes[i];
+  sum.distinct += tree.distinct;
+}
+
+// A surface is closed where each of its meshes is.
+Facts find_facts_of_places(const PlacedMeshes& placed) {
+  Facts facts;
+  const std::vector<kerf::Bvh> objects = build_objects(placed);
+  const kerf::Scene scene = build_scene(placed, objects);
+  facts.bounds = scene.bounds();
+  facts.places = {.instances = placed.places.size(),
+                  .meshes = placed.meshes.size(),
+                  .stored_triangles = placed.stored_triangles(),
+                  .bytes = scene.bytes()};
+  facts.tree = {.title = "trees of all meshes, of nodes with many children", .counts = {}};
+  std::vector<std::size_t> copies(objects.size(), 0);
+  for (const PlacedMeshes::Place& place : placed.places) ++copies[place.mesh];
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    Scene alone;
+    alone.vertices = placed.meshes[i].vertices;
+    alone.triangles = placed.meshes[i].triangles;
+    const SurfaceFacts surface = surface_facts(alone);
+    facts.surface.open_edges += surface.open_edges;
+    facts.surface.doubled_triangles += surface.doubled_triangles;
+    const kerf::BvhStatistics& traced = objects[i].statistics();
+    facts.traced.degenerate_triangles += traced.degenerate_triangles;
+    facts.traced.nodes += traced.nodes;
+    facts.traced.bytes += traced.bytes;
+    facts.places->bytes += traced.bytes;
+    facts.places->copied_bytes += copies[i] * traced.bytes;
+    add(facts.tree, facts_of_saved(objects[i]));
+  }
+  return facts;
+}
+
 Facts find_facts(const Scene& scene, const Options& options) {
+  if (scene.placed) return find_facts_of_places(*scene.placed);
   Facts facts;
   facts.surface = surface_facts(scene);
   kerf::Bvh bvh;
@@ -143,8 +195,16 @@ std::string describe(const Scene& scene, const Facts& facts) {
   const kerf::Box3f& box = facts.bounds;
   const TreeFacts& tree = facts.tree;
   std::string text = scene.name + "\n";
-  text += line("vertices", format_count(scene.vertices.size()));
-  text += line("triangles", format_count(scene.triangles.size()));
+  if (facts.places) {
+    const PlaceFacts& places = *facts.places;
+    text += line("instances",
+                 fmt::format("{} of {} meshes", format_count(places.instances), format_count(places.meshes)));
+    text += line("triangles", fmt::format("{}, of {} in meshes", format_count(scene.triangle_count()),
+                                          format_count(places.stored_triangles)));
+  } else {
+    text += line("vertices", format_count(scene.vertices.size()));
+    text += line("triangles", format_count(scene.triangles.size()));
+  }
   text += line("degenerate", format_count(facts.traced.degenerate_triangles));
   text += line("doubled", format_count(facts.surface.doubled_triangles));
   text += line("closed", facts.surface.closed() ? "yes"
@@ -165,8 +225,10 @@ std::string describe(const Scene& scene, const Facts& facts) {
                  fmt::format("{:.6g} x {:.6g} x {:.6g}, in the units of the file", box.upper.x - box.lower.x,
                              box.upper.y - box.lower.y, box.upper.z - box.lower.z));
   text += line("viewpoints", format_count(scene.viewpoints.size()));
-  if (!scene.contents.entries.empty()) text += "\nbeside triangles\n";
-  for (const auto& [name, value] : scene.contents.entries) text += line(name, value);
+  std::string beside;
+  for (const auto& [name, value] : scene.contents.entries)
+    if (!facts.places || name != "instances") beside += line(name, value);  // told above
+  if (!beside.empty()) text += "\nbeside triangles\n" + beside;
   text += fmt::format("\n{}\n", tree.title);
   text += line("nodes", format_count(tree.counts.nodes));
   text += line("leaves", format_count(tree.counts.leaves));
@@ -176,7 +238,7 @@ std::string describe(const Scene& scene, const Facts& facts) {
   const auto distinct = static_cast<double>(std::max<std::size_t>(tree.distinct, 1));
   text += line("duplicates", fmt::format("{} ({:.1f} % of the triangles)", format_count(tree.duplicates()),
                                          100.0 * static_cast<double>(tree.duplicates()) / distinct));
-  text += line("SAH", fmt::format("{:.4f}", tree.sah));
+  if (!facts.places) text += line("SAH", fmt::format("{:.4f}", tree.sah));
   if (tree.epo && tree.epo->standard_error > 0.0)
     text += line("EPO", fmt::format("{:.4g}, from a sample; standard error {:.1g}", tree.epo->value,
                                     tree.epo->standard_error));
@@ -186,6 +248,17 @@ std::string describe(const Scene& scene, const Facts& facts) {
   text += "\ntraced structure\n";
   text += line("nodes", format_count(facts.traced.nodes));
   text += line("bytes", format_count(facts.traced.bytes));
+  if (facts.places) {
+    const PlaceFacts& places = *facts.places;
+    text += line("with all instances", fmt::format("{} bytes", format_count(places.bytes)));
+    if (places.copied_bytes > places.bytes) {
+      text += line("saved by sharing",
+                   fmt::format("{} bytes, {:.1f} times what there is",
+                               format_count(places.copied_bytes - places.bytes),
+                               static_cast<double>(places.copied_bytes - places.bytes) /
+                                   static_cast<double>(std::max<std::size_t>(places.bytes, 1))));
+    }
+  }
   return text;
 }
 
@@ -204,16 +277,25 @@ Json to_json(const Scene& scene, const Facts& facts) {
                {"leaf_sizes", tree.counts.leaf_sizes},
                {"references", tree.counts.references},
                {"duplicates", tree.duplicates()},
-               {"sah", tree.sah}};
+               {"sah", facts.places ? Json() : Json(tree.sah)}};
   if (tree.epo) {
     of_tree["epo"] = tree.epo->value;
     of_tree["epo_standard_error"] = tree.epo->standard_error;
   }
   if (tree.lcv) of_tree["lcv"] = *tree.lcv;
+  Json of_places;  // null for one mesh
+  if (facts.places) {
+    of_places = {{"instances", facts.places->instances},
+                 {"meshes", facts.places->meshes},
+                 {"triangles", facts.places->stored_triangles},
+                 {"bytes", facts.places->bytes},
+                 {"bytes_if_copied", facts.places->copied_bytes}};
+  }
   return {{"kerf", KERF_VERSION},
           {"name", scene.name},
-          {"vertices", scene.vertices.size()},
-          {"triangles", scene.triangles.size()},
+          {"vertices", facts.places ? Json() : Json(scene.vertices.size())},
+          {"triangles", scene.triangle_count()},
+          {"shared", std::move(of_places)},
           {"degenerate_triangles", facts.traced.degenerate_triangles},
           {"doubled_triangles", facts.surface.doubled_triangles},
           {"flattened_triangles", scene.contents.flattened_triangles},
@@ -229,7 +311,8 @@ Json to_json(const Scene& scene, const Facts& facts) {
 void run(const Options& options) {
   if (!options.builder.empty()) parse_builder("--builder", options.builder);
   if (!options.json.empty()) require_writable(options.json);
-  const Scene scene = std::move(load_scenes({options.scene}, options.format).front());
+  const Repeats repeats = options.builder.empty() ? Repeats::kept : Repeats::flattened;
+  const Scene scene = std::move(load_scenes({options.scene}, options.format, repeats).front());
   const Facts facts = name_errors(scene, [&] { return find_facts(scene, options); });
   if (!options.json.empty()) write_output(options.json, dump_json(to_json(scene, facts)));
   if (options.json != standard_output) write_output(standard_output, describe(scene, facts));

@@ -15,6 +15,8 @@
 #include "workbench/render/heat.hpp"
 #include "workbench/render/image.hpp"
 #include "workbench/render/render.hpp"
+#include "workbench/scene/placed.hpp"
+#include "workbench/scene/traced.hpp"
 #include "workbench/scene/viewpoints.hpp"
 #include "workbench/terminal/progress.hpp"
 
@@ -97,12 +99,12 @@ Viewpoint choose_viewpoint(const Scene& scene, const CameraOptions& camera, bool
   };
   const float aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
   if (camera.eye) {
-    const kerf::Vec3f middle = named_view(scene.mesh(), "front", camera.up, aspect)->target;
+    const kerf::Vec3f middle = named_view(scene, "front", camera.up, aspect)->target;
     return finish({.position = *camera.eye, .target = camera.at.value_or(middle), .up = camera.up});
   }
-  if (!camera.name.empty()) return finish(*named_view(scene.mesh(), camera.name, camera.up, aspect));
+  if (!camera.name.empty()) return finish(*named_view(scene, camera.name, camera.up, aspect));
   if (!camera.number && (upward_given || !scene.has_authored_viewpoints))
-    return finish(*named_view(scene.mesh(), "iso", camera.up, aspect));
+    return finish(*named_view(scene, "iso", camera.up, aspect));
   const unsigned number = camera.number.value_or(0);
   if (number >= scene.viewpoints.size()) {
     throw CLI::ValidationError("--view", fmt::format("{} has the viewpoints 0 to {}, not {}", scene.name,
@@ -111,7 +113,8 @@ Viewpoint choose_viewpoint(const Scene& scene, const CameraOptions& camera, bool
   return finish(scene.viewpoints[number]);
 }
 
-Image render(const Scene& scene, const kerf::Bvh& bvh, Mode mode, const Viewpoint& viewpoint,
+// `bvh` is what is traced, unless that is a scene.
+Image render(const Traced& traced, const kerf::Bvh& bvh, Mode mode, const Viewpoint& viewpoint,
              PictureSize size, const std::string& scale) {
   ProgressBar bar;
   const RenderOptions options{.width = size.width,
@@ -119,8 +122,8 @@ Image render(const Scene& scene, const kerf::Bvh& bvh, Mode mode, const Viewpoin
                               .samples = 3,
                               .ambient_samples = mode == Mode::ao ? 24u : 8u,
                               .progress = [&](double fraction) { bar.show(fraction, "render"); }};
-  if (mode == Mode::shaded) return render_shaded(scene, bvh, viewpoint, options);
-  if (mode == Mode::ao) return render_ambient_occlusion(scene, bvh, viewpoint, options);
+  if (mode == Mode::shaded) return render_shaded(traced, viewpoint, options);
+  if (mode == Mode::ao) return render_ambient_occlusion(traced, viewpoint, options);
   const HeatMap map = trace_heat(bvh, viewpoint, size.width, size.height);
   const float end =
       scale.empty() ? common_scale({&map, 1}) : static_cast<float>(parse_number("--scale", scale, 0.0, 1e9));
@@ -150,12 +153,19 @@ void run(const Options& options) {
   }
   check_output(options.output);
   require_writable(options.output);
-  const Scene scene = std::move(load_scenes({options.scene}, options.format).front());
+  // Steps are counted in one hierarchy, which is also what a builder is asked for.
+  const Repeats repeats =
+      mode == Mode::steps || !options.builder.empty() ? Repeats::flattened : Repeats::kept;
+  const Scene scene = std::move(load_scenes({options.scene}, options.format, repeats).front());
   const Viewpoint viewpoint = choose_viewpoint(scene, camera, !options.up.empty(), size);
   const Image image = name_errors(scene, [&] {
+    if (scene.placed) {
+      const kerf::Scene places = build_scene(*scene.placed, build_objects(*scene.placed));
+      return render(Traced(scene, places), {}, mode, viewpoint, size, options.scale);
+    }
     const bool saved = scene.hierarchy && options.builder.empty();
     const kerf::Bvh bvh = saved ? *scene.hierarchy : kerf::build(scene.mesh(), {.builder = builder});
-    return render(scene, bvh, mode, viewpoint, size, options.scale);
+    return render(Traced(scene, bvh), bvh, mode, viewpoint, size, options.scale);
   });
   const std::vector<std::uint8_t> png = encode_png(image);
   write_output(options.output, {reinterpret_cast<const char*>(png.data()), png.size()});

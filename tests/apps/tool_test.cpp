@@ -310,6 +310,66 @@ TEST(Tool, RendersThreeModesThatDiffer) {
   }
 }
 
+// Three tetrahedra by three nodes that show one mesh, and one by a node of its own.
+std::string file_of_instances(const TemporaryDirectory& directory) {
+  const std::string points = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/";
+  const std::string corners = "AAACAAEAAAABAAMAAAADAAIAAQACAAMA";
+  const Json primitives = {{{"attributes", {{"POSITION", 0}}}, {"indices", 1}}};
+  const Json gltf = {
+      {"asset", {{"version", "2.0"}}},
+      {"scenes", {{{"nodes", {0, 1, 2, 3}}}}},
+      {"nodes",
+       {{{"mesh", 0}},
+        {{"mesh", 0}, {"translation", {2, 0, 0}}},
+        {{"mesh", 0}, {"translation", {0, 2, 0}}, {"scale", {2, 1, 0.5}}},
+        {{"mesh", 1}, {"translation", {2, 2, 0}}}}},
+      {"meshes", {{{"primitives", primitives}}, {{"primitives", primitives}}}},
+      {"accessors",
+       {{{"bufferView", 0}, {"componentType", 5126}, {"count", 4}, {"type", "VEC3"}},
+        {{"bufferView", 1}, {"componentType", 5123}, {"count", 12}, {"type", "SCALAR"}}}},
+      {"bufferViews", {{{"buffer", 0}, {"byteLength", 48}}, {{"buffer", 1}, {"byteLength", 24}}}},
+      {"buffers",
+       {{{"byteLength", 48}, {"uri", "data:application/octet-stream;base64," + points}},
+        {{"byteLength", 24}, {"uri", "data:application/octet-stream;base64," + corners}}}}};
+  write_bytes(directory / "instances.gltf", gltf.dump());
+  return directory.file("instances.gltf");
+}
+
+TEST(Tool, InstancesAreKeptShownAndTraced) {
+  const TemporaryDirectory directory;
+  const std::string file = file_of_instances(directory), saved = directory.file("instances.kerf");
+  ASSERT_EQ(run_tool("build " + file + " -o " + saved).status, 0);
+  for (const std::string& name : {file, saved}) {
+    SCOPED_TRACE(name);
+    const Outcome outcome = run_tool("info " + name);
+    ASSERT_EQ(outcome.status, 0) << outcome.errors;
+    EXPECT_NE(outcome.output.find("instances             4 of 2 meshes"), std::string::npos)
+        << outcome.output;
+    EXPECT_NE(outcome.output.find("triangles             16, of 8 in meshes"), std::string::npos);
+    const Json info = Json::parse(run_tool("info " + name + " --json -").output);
+    EXPECT_EQ(info["triangles"], 16);
+    EXPECT_EQ(info["shared"]["instances"], 4);
+    EXPECT_EQ(info["shared"]["triangles"], 8);
+    EXPECT_EQ(info["closed"], true);
+    const Json bench =
+        Json::parse(run_tool("bench " + name + " --threads 1 --peers none --json -").output)["scenes"][0];
+    EXPECT_EQ(bench["instances"], 4);
+    EXPECT_EQ(bench["meshes"], 2);
+    EXPECT_GT(bench["results"][0]["rays"]["primary"]["hits"], 0);
+    // One picture, whether the file is traced as it is, or copied for a builder.
+    const std::string view = " --size 40x30 --eye 1,3,9 --at 1.5,1.5,0.3 -o -";
+    const std::string picture = run_tool("render " + name + view).output;
+    EXPECT_GT(picture.size(), 100u);
+    if (name == file) {
+      EXPECT_EQ(run_tool("render " + saved + view).output, picture);
+    }
+  }
+  const Json copied = Json::parse(run_tool("info " + file + " --builder sbvh --json -").output);
+  EXPECT_EQ(copied["triangles"], 16);
+  EXPECT_TRUE(copied["shared"].is_null());
+  EXPECT_EQ(run_tool("compare " + file + quick + " --json -").status, 0);
+}
+
 TEST(Tool, InfoCountsWhatTheFileHolds) {
   const TemporaryDirectory directory;
   write_bytes(directory.file("two.obj"),

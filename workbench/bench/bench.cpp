@@ -9,9 +9,12 @@
 #include <fmt/format.h>
 #include <kerf/inspect.hpp>
 #include <kerf/kerf.hpp>
+#include <kerf/scene.hpp>
 #include <tbb/global_control.h>
 
 #include "workbench/rays/slice_timer.hpp"
+#include "workbench/scene/placed.hpp"
+#include "workbench/scene/traced.hpp"
 
 namespace workbench {
 namespace {
@@ -41,14 +44,16 @@ struct Build {
   Traceable traceable;
 };
 
-std::vector<Build> build_all(std::span<const Engine> engines, const kerf::TriangleMesh& mesh,
+// `build(engine)` is what is timed.
+template <class MakeTraceable>
+std::vector<Build> build_all(std::span<const Engine> engines, const MakeTraceable& build,
                              const BenchOptions& options, const Progress& progress) {
   std::vector<Build> builds(engines.size());
   for (unsigned round = 0; round <= options.build_rounds; ++round) {
     for (std::size_t e = 0; e < engines.size(); ++e) {
       progress.show(0.5 * round / (options.build_rounds + 1), "building " + engines[e].name);
       builds[e].traceable = {};  // frees the memory of the last round before the clock starts
-      const double time = seconds([&] { builds[e].traceable = engines[e].build(mesh); });
+      const double time = seconds([&] { builds[e].traceable = build(engines[e]); });
       if (round > 0) builds[e].best_seconds = std::min(builds[e].best_seconds, time);
     }
   }
@@ -149,8 +154,13 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   const kerf::TriangleMesh mesh{.vertices = {vertices.data(), scene.vertices.size(), sizeof(kerf::Vec3f)},
                                 .triangles = scene.triangles};
 
-  BenchScene figures{.name = scene.name, .triangles = scene.triangles.size(), .results = {}};
-  std::vector<Build> builds = build_all(engines, mesh, options, progress);
+  BenchScene figures{.name = scene.name, .triangles = scene.triangle_count(), .results = {}};
+  std::vector<Build> builds = build_all(
+      engines,
+      [&](const Engine& engine) {
+        return scene.placed ? engine.build_placed(*scene.placed) : engine.build(mesh);
+      },
+      options, progress);
   std::vector<Way> all_ways;
   for (std::size_t e = 0; e < engines.size(); ++e) {
     const Build& build = builds[e];
@@ -170,19 +180,36 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   }
 
   const kerf::BuildOptions build_options{.quality = options.quality, .threads = options.threads};
+  const auto trace = [&](const auto& make_set, const auto& visit_set) {
+    double fraction = 0.5;
+    for (const RayType type : ray_types) {
+      progress.show(fraction, "tracing " + std::string(name(type)));
+      fraction += 0.5 / std::size(ray_types);
+      const RaySet set = make_set(type);
+      const std::vector<BenchRays> rays = trace_all(all_ways, set, options);
+      for (std::size_t i = 0; i < rays.size(); ++i) figures.results[i].rays.push_back(rays[i]);
+      visit_set(set);
+    }
+  };
+  if (scene.placed) {
+    figures.instances = scene.placed->places.size();
+    figures.meshes = scene.placed->meshes.size();
+    const kerf::Scene places =
+        build_scene(*scene.placed, build_objects(*scene.placed, build_options), build_options);
+    trace([&](RayType type) { return make_rays(Traced(scene, places), type, options.rays); },
+          [](const RaySet&) {});
+    figures.remarks = remarks_on(figures);
+    return figures;
+  }
+
   const kerf::Bvh bvh = kerf::build(mesh, build_options);
   const RaySetOptions pixels = affordable(scene, bvh, options.rays);
   if (options.limits) figures.limits = {.times = measure_steps(), .counts = {}};
-  double fraction = 0.5;
-  for (const RayType type : ray_types) {
-    progress.show(fraction, "tracing " + std::string(name(type)));
-    fraction += 0.5 / std::size(ray_types);
-    const RaySet set = make_rays(scene, bvh, type, pixels);
-    const std::vector<BenchRays> rays = trace_all(all_ways, set, options);
-    for (std::size_t i = 0; i < rays.size(); ++i) figures.results[i].rays.push_back(rays[i]);
-    if (figures.limits) figures.limits->counts[static_cast<std::size_t>(type)] = count_steps(bvh, set);
-  }
-
+  trace([&](RayType type) { return make_rays(scene, bvh, type, pixels); },
+        [&](const RaySet& set) {
+          if (figures.limits)
+            figures.limits->counts[static_cast<std::size_t>(set.type)] = count_steps(bvh, set);
+        });
   const kerf::Tree tree = kerf::build_tree(mesh, build_options);
   figures.sah = kerf::surface_area_cost(tree);
   figures.references = tree.references().size();

@@ -47,9 +47,11 @@ struct BenchResult {
 
 struct BenchScene {
   std::string name;
-  std::size_t triangles = 0;
-  double sah = 0.0;            ///< of kerf's tree
-  std::size_t references = 0;  ///< of kerf's tree
+  std::size_t triangles = 0;   ///< counted at each place
+  double sah = 0.0;            ///< of kerf's tree; 0 for meshes at places
+  std::size_t references = 0;  ///< of kerf's tree; 0 for meshes at places
+  std::size_t instances = 0;   ///< 0 for one mesh
+  std::size_t meshes = 1;
   std::vector<BenchResult> results;
   std::vector<std::string> remarks = {};  ///< on what the figures do not say: see `remarks_on`
   std::optional<Limits> limits = {};      ///< of kerf, if they were asked for
@@ -72,8 +74,8 @@ struct BenchOptions {
 /// the same, and their speed is none to compare with.
 std::vector<std::string> remarks_on(const BenchScene& scene);
 
-/// Builds and traces `scene` with all `engines`. Rounds of the engines are interleaved, so that what slows
-/// the machine for a while slows all of them.
+/// Builds and traces `scene` with all `engines`, meshes at places with those that can. Rounds of the engines
+/// are interleaved, so that what slows the machine for a while slows all of them.
 BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, const BenchOptions& options);
 
 }  // namespace workbench

@@ -142,8 +142,11 @@ std::string format_scene(const BenchScene& scene, Emphasis emphasis) {
                               [i](const BenchResult& r) { return static_cast<double>(r.rays[i].hits); }));
     for (Cell& cell : columns.back().cells) cell.best = false;
   }
-  std::string text = fmt::format("{}: {} triangles, {} references, SAH {:.2f}\n{}", scene.name,
-                                 scene.triangles, scene.references, scene.sah, format(columns, emphasis));
+  const std::string facts = scene.instances != 0 ? fmt::format("{} instances of {} meshes, {} triangles",
+                                                               scene.instances, scene.meshes, scene.triangles)
+                                                 : fmt::format("{} triangles, {} references, SAH {:.2f}",
+                                                               scene.triangles, scene.references, scene.sah);
+  std::string text = fmt::format("{}: {}\n{}", scene.name, facts, format(columns, emphasis));
   for (const std::string& remark : scene.remarks) text += fold_text("Note: " + remark);
   return text + "\n";
 }
@@ -281,7 +284,13 @@ nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRu
       entry["rays"] = std::move(rays);
       results.push_back(std::move(entry));
     }
-    list.push_back({{"name", scene.name}, {"triangles", scene.triangles}, {"results", std::move(results)}});
+    nlohmann::ordered_json one{{"name", scene.name}, {"triangles", scene.triangles}};
+    if (scene.instances != 0) {
+      one["instances"] = scene.instances;
+      one["meshes"] = scene.meshes;
+    }
+    one["results"] = std::move(results);
+    list.push_back(std::move(one));
     if (!scene.remarks.empty()) list.back()["remarks"] = scene.remarks;
     if (scene.limits) list.back()["limits"] = limits_json(scene);
   }

@@ -49,18 +49,40 @@ ReadMesh read(const std::filesystem::path& file, std::string_view format, const 
   return read_gltf(file, bytes);
 }
 
+// Meshes of a glTF file at their places.
+Scene placed_scene(const std::filesystem::path& file, GltfMeshes read) {
+  Scene scene;
+  scene.contents = std::move(read.contents);
+  scene.placed.emplace();
+  for (ReadMesh& mesh : read.meshes) {
+    check_mesh(file, mesh);
+    scene.contents.flattened_triangles += mesh.contents.flattened_triangles;
+    scene.placed->meshes.push_back({std::move(mesh.vertices), std::move(mesh.triangles)});
+  }
+  scene.placed->places = std::move(read.places);
+  return scene;
+}
+
 }  // namespace
 
-Scene load_file(const std::filesystem::path& file, std::string_view given) {
+Scene load_file(const std::filesystem::path& file, std::string_view given, Repeats repeats) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) raise(Error::io, file, "no such file");
   const std::string format = given.empty() ? format_of(file) : std::string(".").append(given);
-  if (format == ".kerf") return load_hierarchy(file);
+  if (format == ".kerf") return load_hierarchy(file, repeats);
   const FileBytes bytes(file);
   const bool is_wide_text = bytes.view().starts_with("\xff\xfe") || bytes.view().starts_with("\xfe\xff");
   if (is_wide_text && format != ".stl")  // whose binary header may be any bytes
     raise(Error::bad_format, file, "is a text in UTF-16; only ASCII and UTF-8 are read");
-  ReadMesh mesh = read(file, format, bytes);
+  ReadMesh mesh;
+  if (repeats == Repeats::kept && (format == ".gltf" || format == ".glb")) {
+    GltfMeshes meshes = read_gltf_meshes(file, bytes);
+    if (!meshes.places.empty()) return placed_scene(file, std::move(meshes));
+    mesh = std::move(meshes.meshes.front());
+    mesh.contents = std::move(meshes.contents);
+  } else {
+    mesh = read(file, format, bytes);
+  }
   check_mesh(file, mesh);
   Scene scene;
   scene.vertices = std::move(mesh.vertices);

@@ -1,6 +1,7 @@
 #include "workbench/formats/read_gltf.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <map>
@@ -42,18 +43,43 @@ class GltfReader {
       : document_(file, json), buffers_(document_, binary_chunk), max_triangles_(max_triangles) {}
 
   ReadMesh read() {
-    check_extensions();
-    // All of the file is checked, not only what the scene shows of it.
-    for (std::uint64_t i = 0; i < document_.count("meshes"); ++i) meshes_.push_back(read_mesh(i));
-    nodes_ = read_nodes(document_);
-    std::vector<Draw> draws;
-    for (const std::uint64_t node : nodes_.in_scene) add_draws(node, draws);
+    const std::vector<Draw> draws = read_draws();
     check_sizes(draws);
     mesh_.triangles.reserve(triangles_);
     mesh_.vertices.reserve(vertices_);
     for (const Draw& draw : draws) append(draw);
     tell(draws);
     return std::move(mesh_);
+  }
+
+  GltfMeshes read_meshes() {
+    const std::vector<Draw> draws = read_draws();
+    const auto [once, often] = divide(draws);
+    std::vector<Draw> all = once;
+    for (Draw draw : often) {
+      draw.transforms.resize(1);  // as much as it takes
+      all.push_back(std::move(draw));
+    }
+    check_sizes(all);
+    GltfMeshes result;
+    const auto take = [&] { result.meshes.push_back(std::exchange(mesh_, {})); };
+    for (const Draw& draw : once) append(draw);
+    const bool has_others = !mesh_.triangles.empty() || often.empty();
+    if (has_others) take();
+    if (has_others && !often.empty()) result.places.push_back({0});
+    mesh_ = {};
+    for (const Draw& draw : often) {
+      const auto number = static_cast<std::uint32_t>(result.meshes.size());
+      for (const Transform& transform : draw.transforms)
+        result.places.push_back({number, to_kerf(transform)});
+      Draw unmoved = draw;
+      unmoved.transforms = {Transform()};
+      append(unmoved);
+      take();
+    }
+    tell(draws);
+    result.contents = std::move(mesh_.contents);
+    return result;
   }
 
  private:
@@ -63,6 +89,80 @@ class GltfReader {
     std::vector<Transform> transforms;  ///< of its instances
     std::optional<std::uint64_t> skin;
   };
+
+  struct Divided {
+    std::vector<Draw> once, often;  ///< those shown often have the transforms of all nodes that show them
+  };
+
+  std::vector<Draw> read_draws() {
+    check_extensions();
+    // All of the file is checked, not only what the scene shows of it.
+    for (std::uint64_t i = 0; i < document_.count("meshes"); ++i) meshes_.push_back(read_mesh(i));
+    nodes_ = read_nodes(document_);
+    std::vector<Draw> draws;
+    for (const std::uint64_t node : nodes_.in_scene) add_draws(node, draws);
+    return draws;
+  }
+
+  // What may stand at several places, by mesh and weights of morph targets.
+  Divided divide(const std::vector<Draw>& draws) const {
+    using Key = std::pair<std::uint64_t, std::vector<double>>;
+    const auto key_of = [&](const Draw& draw) {
+      return Key(draw.mesh, weights_of(document_.item("nodes", draw.node, "nodes")));
+    };
+    const auto is_movable = [&](const Draw& draw, const Transform& transform) {
+      return !draw.skin && meshes_[draw.mesh].triangles != 0 && is_invertible(transform);
+    };
+    std::map<Key, std::size_t> counts;
+    for (const Draw& draw : draws)
+      for (const Transform& transform : draw.transforms)
+        if (is_movable(draw, transform)) ++counts[key_of(draw)];
+    Divided divided;
+    std::map<Key, std::size_t> places;  // in `often`
+    for (const Draw& draw : draws) {
+      const Key key = key_of(draw);
+      Draw rest = draw;
+      rest.transforms.clear();
+      for (const Transform& transform : draw.transforms) {
+        if (!is_movable(draw, transform) || counts[key] < 2) {
+          rest.transforms.push_back(transform);
+          continue;
+        }
+        const auto [at, is_new] = places.try_emplace(key, divided.often.size());
+        if (is_new) {
+          divided.often.push_back(draw);
+          divided.often.back().transforms.clear();
+        }
+        divided.often[at->second].transforms.push_back(transform);
+      }
+      if (!rest.transforms.empty()) divided.once.push_back(std::move(rest));
+    }
+    return divided;
+  }
+
+  static kerf::Transform to_kerf(const Transform& transform) {
+    kerf::Transform to;
+    for (std::size_t i = 0; i < 3; ++i) std::copy_n(transform.rows[i].data(), 4, to.rows[i]);
+    return to;
+  }
+
+  // Far from what kerf refuses in a scene: by the sums of the rows of |M| |M^-1|.
+  static bool is_invertible(const Transform& transform) {
+    const auto& m = transform.rows;
+    const auto minor = [&](std::size_t i, std::size_t j) {
+      const std::size_t r = (i + 1) % 3, s = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+      return m[r][c] * m[s][d] - m[r][d] * m[s][c];
+    };
+    const double determinant = m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1) + m[0][2] * minor(0, 2);
+    constexpr double max_sum = 0x1p16;
+    for (std::size_t i = 0; i < 3; ++i) {
+      double sum = 0.0;
+      for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t k = 0; k < 3; ++k) sum += std::abs(m[i][k] * minor(j, k) / determinant);
+      if (!(sum < max_sum) || !(std::abs(m[i][3]) < 0x1p100)) return false;
+    }
+    return true;
+  }
 
   void check_extensions() const {
     for (const Json& name : document_.list(document_.root(), "extensionsRequired")) {
@@ -382,20 +482,38 @@ Chunks read_chunks(const std::filesystem::path& file, std::string_view bytes) {
 
 }  // namespace
 
-ReadMesh read_gltf(const std::filesystem::path& file, const FileBytes& file_bytes,
-                   std::uint64_t max_triangles) {
+namespace {
+
+// What `read(reader)` makes of a file, which has contents.
+template <class Read>
+auto read_with(const std::filesystem::path& file, const FileBytes& file_bytes, std::uint64_t max_triangles,
+               const Read& read) {
   const std::string_view bytes = file_bytes.view();
   // Files of one kind with the name of the other are frequent, and clear.
-  if (!bytes.starts_with("glTF"))
-    return GltfReader(file, without_byte_order_mark(bytes), std::nullopt, max_triangles).read();
+  if (!bytes.starts_with("glTF")) {
+    GltfReader reader(file, without_byte_order_mark(bytes), std::nullopt, max_triangles);
+    return read(reader);
+  }
   const Chunks chunks = read_chunks(file, bytes);
-  ReadMesh mesh = GltfReader(file, chunks.json, chunks.binary, max_triangles).read();
+  GltfReader reader(file, chunks.json, chunks.binary, max_triangles);
+  auto result = read(reader);
   const auto tell = [&](std::size_t count, const char* name, const char* what) {
-    if (count != 0) mesh.contents.entries.push_back({name, fmt::format("{}{}", count, what)});
+    if (count != 0) result.contents.entries.push_back({name, fmt::format("{}{}", count, what)});
   };
   tell(chunks.others, "chunks left out", ", of unknown types");
   tell(chunks.bytes_behind, "bytes left out", ", behind the end that the header names");
-  return mesh;
+  return result;
+}
+
+}  // namespace
+
+ReadMesh read_gltf(const std::filesystem::path& file, const FileBytes& bytes, std::uint64_t max_triangles) {
+  return read_with(file, bytes, max_triangles, [](GltfReader& reader) { return reader.read(); });
+}
+
+GltfMeshes read_gltf_meshes(const std::filesystem::path& file, const FileBytes& bytes,
+                            std::uint64_t max_triangles) {
+  return read_with(file, bytes, max_triangles, [](GltfReader& reader) { return reader.read_meshes(); });
 }
 
 }  // namespace workbench

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "workbench/formats/file_bytes.hpp"
 #include "workbench/formats/read_mesh.hpp"
+#include "workbench/scene/placed.hpp"
 
 namespace workbench {
 
@@ -17,5 +19,19 @@ inline constexpr std::uint64_t max_gltf_triangles = std::uint64_t{1} << 28;
 /// `kerf::Error` with one line that names the file, the place in its JSON and what is wrong.
 ReadMesh read_gltf(const std::filesystem::path& file, const FileBytes& bytes,
                    std::uint64_t max_triangles = max_gltf_triangles);
+
+/// What the scene of a glTF file shows, each mesh once.
+struct GltfMeshes {
+  /// Those that the scene shows several times, and first, if there is any, one of all that it shows once.
+  std::vector<ReadMesh> meshes;
+  /// Of all of them; none if nothing is shown several times: there is one mesh then.
+  std::vector<PlacedMeshes::Place> places;
+  SceneContents contents;
+};
+
+/// As `read_gltf`, without copies of what is shown several times. Meshes that skins pose, and those that are
+/// flattened where they are shown, are copied nevertheless.
+GltfMeshes read_gltf_meshes(const std::filesystem::path& file, const FileBytes& bytes,
+                            std::uint64_t max_triangles = max_gltf_triangles);
 
 }  // namespace workbench

@@ -37,6 +37,22 @@ class Rotation {
 void rotate(Scene& scene, double degrees) {
   const Rotation rotation(degrees);
   for (Vec3f& vertex : scene.vertices) vertex = rotation(vertex);
+  if (scene.placed) {
+    for (PlacedMeshes::Place& place : scene.placed->places) {
+      const kerf::Transform before = place.transform;
+      for (int j = 0; j < 3; ++j) {
+        Vec3f axis;
+        axis[j] = 1.0f;
+        const Vec3f turned = rotation(axis);  // a column of the map
+        for (int i = 0; i < 3; ++i) {
+          for (int k = 0; k < 4; ++k) {
+            double& number = place.transform.rows[i][k];
+            number = (j == 0 ? 0.0 : number) + double{turned[i]} * before.rows[j][k];
+          }
+        }
+      }
+    }
+  }
   for (Viewpoint& viewpoint : scene.viewpoints) {
     viewpoint.position = rotation(viewpoint.position);
     viewpoint.target = rotation(viewpoint.target);
@@ -53,7 +69,7 @@ void rotate(Scene& scene, double degrees) {
         did_you_mean(source, names), " (kerf scenes lists them)");
 }
 
-Scene load_source(const SceneSpec& spec, std::string_view format) {
+Scene load_source(const SceneSpec& spec, std::string_view format, Repeats repeats) {
   if (const GeneratedScene* generated = format.empty() ? find_generated_scene(spec.source) : nullptr) {
     return generated->generate(spec.detail.value_or(1.0));
   }
@@ -63,17 +79,17 @@ Scene load_source(const SceneSpec& spec, std::string_view format) {
   const std::string file = spec.source == "-" ? "/dev/stdin" : spec.source;
   std::error_code error;
   if (!std::filesystem::exists(file, error)) raise_no_such(file);
-  Scene scene = load_file(file, format);
-  scene.viewpoints = choose_viewpoints(scene.mesh());
+  Scene scene = load_file(file, format, repeats);
+  scene.viewpoints = choose_viewpoints(scene);
   scene.has_authored_viewpoints = false;
   return scene;
 }
 
 }  // namespace
 
-Scene load_scene(std::string_view text, std::string_view format) {
+Scene load_scene(std::string_view text, std::string_view format, Repeats repeats) {
   const SceneSpec spec = parse_scene_spec(text);
-  Scene scene = load_source(spec, format);
+  Scene scene = load_source(spec, format, repeats);
   if (spec.rotate != 0.0) {
     rotate(scene, spec.rotate);
     scene.hierarchy.reset();  // it belongs to the vertices that were saved

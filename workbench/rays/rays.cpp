@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <kerf/inspect.hpp>
@@ -63,10 +64,9 @@ struct SurfacePoint {
   Vec3f normal;  ///< unit length, on the side that the ray came from
 };
 
-SurfacePoint surface_at(const Scene& scene, const Ray& ray, const Hit& hit) {
-  const auto& [a, b, c] = scene.triangles[hit.primitive];
-  const Vec3f v0 = scene.vertices[a], v1 = scene.vertices[b], v2 = scene.vertices[c];
-  const Vec3f position = (1.0f - hit.u - hit.v) * v0 + hit.u * v1 + hit.v * v2;
+SurfacePoint surface_at(const Ray& ray, const Met& met) {
+  const auto& [v0, v1, v2] = met.triangle;
+  const Vec3f position = (1.0f - met.u - met.v) * v0 + met.u * v1 + met.v * v2;
   // In double precision the normals of tiny and huge triangles neither underflow nor overflow.
   const double ex = double{v1.x} - v0.x, ey = double{v1.y} - v0.y, ez = double{v1.z} - v0.z;
   const double fx = double{v2.x} - v0.x, fy = double{v2.y} - v0.y, fz = double{v2.z} - v0.z;
@@ -116,14 +116,17 @@ std::string_view name(RayType type) {
 }
 
 RaySet make_rays(const Scene& scene, const Bvh& bvh, RayType type, const RaySetOptions& options) {
-  RaySet primary = primary_rays(scene, options);
+  return make_rays(Traced(scene, bvh), type, options);
+}
+
+RaySet make_rays(const Traced& traced, RayType type, const RaySetOptions& options) {
+  RaySet primary = primary_rays(traced.scene(), options);
   if (type == RayType::primary) return primary;
   RaySet set{.type = type, .rays = {}};
-  const Box3f bounds = bvh.bounds();
+  const Box3f bounds = traced.bounds();
   if (bounds.empty()) return set;
 
-  std::vector<Hit> hits(primary.rays.size());
-  bvh.intersect(primary.rays, hits);
+  const std::vector<std::optional<Met>> hits = traced.intersect(primary.rays);
   const float diagonal = length(extent(bounds));
   const float rounding = 8.0f * std::numeric_limits<float>::epsilon() * max_abs_coordinate(bounds);
   SurfaceRays maker;
@@ -132,7 +135,7 @@ RaySet make_rays(const Scene& scene, const Bvh& bvh, RayType type, const RaySetO
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (!hits[i]) continue;
     RandomNumbers random(i);
-    maker.samples.push_back(cosine_distributed(surface_at(scene, primary.rays[i], hits[i]), random));
+    maker.samples.push_back(cosine_distributed(surface_at(primary.rays[i], *hits[i]), random));
     const MadeRay ray = maker.make(maker.samples.size() - 1);
     set.rays.push_back({.origin = ray.origin, .direction = ray.direction, .t_max = maker.t_max});
   }

@@ -13,6 +13,7 @@
 
 #include "workbench/rays/ray_makers.hpp"
 #include "workbench/scene/scene.hpp"
+#include "workbench/scene/traced.hpp"
 
 namespace workbench {
 
@@ -46,6 +47,9 @@ struct RaySetOptions {
 /// The rays of `type` for all viewpoints of `scene`. `bvh` is any hierarchy of the scene, which finds the
 /// primary hits from which secondary rays start.
 RaySet make_rays(const Scene& scene, const kerf::Bvh& bvh, RayType type, const RaySetOptions& options = {});
+
+/// The same for a scene of either kind.
+RaySet make_rays(const Traced& traced, RayType type, const RaySetOptions& options = {});
 
 /// Visits of nodes and tests of triangles that the rays of one type may take. Scenes that are scenes take a
 /// fraction of it; where everything lies over one another, a ray tests every triangle.

@@ -63,8 +63,8 @@ struct Surface {
 
 class Studio {
  public:
-  Studio(const Scene& scene, const Bvh& bvh, const Viewpoint& viewpoint)
-      : scene_(scene), bvh_(bvh), up_(normalize(viewpoint.up)), diagonal_(length(extent(bvh.bounds()))) {
+  Studio(const Traced& traced, const Viewpoint& viewpoint)
+      : traced_(traced), up_(normalize(viewpoint.up)), diagonal_(length(extent(traced.bounds()))) {
     // The sun is behind the viewer's left shoulder, half way up.
     const Vec3f back = normalize(viewpoint.position - viewpoint.target);
     const Frame frame = frame_around(up_);
@@ -75,11 +75,9 @@ class Studio {
   }
 
   std::optional<Surface> hit(const Ray& ray) const {
-    const auto hit = bvh_.intersect(ray);
+    const auto hit = traced_.intersect(ray);
     if (!hit) return std::nullopt;
-    const auto& corners = scene_.triangles[hit->primitive];
-    const Vec3f &a = scene_.vertices[corners[0]], &b = scene_.vertices[corners[1]],
-                &c = scene_.vertices[corners[2]];
+    const auto& [a, b, c] = hit->triangle;
     Vec3f normal = cross(b - a, c - a);
     const float size = length(normal);
     normal = size > 0.0f ? (1.0f / size) * normal : -1.0f * ray.direction;
@@ -97,7 +95,7 @@ class Studio {
       const float angle = 2.0f * std::numbers::pi_v<float> * (turn + 0.61803399f * static_cast<float>(i));
       const float r = std::sqrt(r2), z = std::sqrt(1.0f - r2);
       const Vec3f direction = r * std::cos(angle) * frame.x + r * std::sin(angle) * frame.y + z * frame.z;
-      open += !bvh_.occluded({surface.point, direction, 0.0f, reach * diagonal_});
+      open += !traced_.occluded({surface.point, direction, 0.0f, reach * diagonal_});
     }
     return static_cast<float>(open) / static_cast<float>(samples);
   }
@@ -115,14 +113,13 @@ class Studio {
         mix(ground_light, sky_light, upward) + std::abs(dot(surface.normal, view)) * camera_light;
     Vec3f light = mix(bounced_light, dome, open);
     const float facing = dot(surface.normal, sun_);
-    if (facing > 0.0f && !bvh_.occluded({surface.point, sun_})) light = light + facing * sun_light;
+    if (facing > 0.0f && !traced_.occluded({surface.point, sun_})) light = light + facing * sun_light;
     const float haze = 1.0f - std::exp(-0.35f * surface.distance / diagonal_);
     return mix(multiply(clay, light), horizon, 0.15f * haze);
   }
 
  private:
-  const Scene& scene_;
-  const Bvh& bvh_;
+  const Traced& traced_;
   Vec3f up_, sun_;
   float diagonal_;
 };
@@ -171,9 +168,8 @@ Image render(const Viewpoint& viewpoint, const RenderOptions& options, const Lig
 
 }  // namespace
 
-Image render_shaded(const Scene& scene, const Bvh& bvh, const Viewpoint& viewpoint,
-                    const RenderOptions& options) {
-  const Studio studio(scene, bvh, viewpoint);
+Image render_shaded(const Traced& traced, const Viewpoint& viewpoint, const RenderOptions& options) {
+  const Studio studio(traced, viewpoint);
   return render(viewpoint, options, [&](const Ray& ray, RandomNumbers& random) {
     const auto surface = studio.hit(ray);
     return surface ? studio.shade(*surface, ray.direction, options.ambient_samples, random)
@@ -181,9 +177,9 @@ Image render_shaded(const Scene& scene, const Bvh& bvh, const Viewpoint& viewpoi
   });
 }
 
-Image render_ambient_occlusion(const Scene& scene, const Bvh& bvh, const Viewpoint& viewpoint,
+Image render_ambient_occlusion(const Traced& traced, const Viewpoint& viewpoint,
                                const RenderOptions& options) {
-  const Studio studio(scene, bvh, viewpoint);
+  const Studio studio(traced, viewpoint);
   return render(viewpoint, options, [&](const Ray& ray, RandomNumbers& random) {
     const auto surface = studio.hit(ray);
     if (!surface) return behind;

@@ -3,10 +3,9 @@
 
 #include <functional>
 
-#include <kerf/bvh.hpp>
-
 #include "workbench/render/image.hpp"
 #include "workbench/scene/scene.hpp"
+#include "workbench/scene/traced.hpp"
 
 namespace workbench {
 
@@ -21,11 +20,10 @@ struct RenderOptions {
 };
 
 /// Clay under a sun and a sky, with shadows, ambient occlusion and haze.
-Image render_shaded(const Scene& scene, const kerf::Bvh& bvh, const Viewpoint& viewpoint,
-                    const RenderOptions& options);
+Image render_shaded(const Traced& traced, const Viewpoint& viewpoint, const RenderOptions& options);
 
 /// Ambient occlusion alone: white where nothing is near, dark in corners, before a dull blue.
-Image render_ambient_occlusion(const Scene& scene, const kerf::Bvh& bvh, const Viewpoint& viewpoint,
+Image render_ambient_occlusion(const Traced& traced, const Viewpoint& viewpoint,
                                const RenderOptions& options);
 
 }  // namespace workbench

@@ -15,7 +15,7 @@ ReportScene make_report_scene(const Scene& scene, const Comparison& comparison, 
   ReportScene result{.figures = comparison.figures, .pictures = {}, .heat_scale = common_scale(maps)};
   for (std::size_t i = 0; i < maps.size(); ++i) {
     result.pictures.push_back(
-        {.shaded = encode_png(render_shaded(scene, comparison.hierarchies[i], viewpoint, options)),
+        {.shaded = encode_png(render_shaded(Traced(scene, comparison.hierarchies[i]), viewpoint, options)),
          .heat = encode_png(colour(maps[i], result.heat_scale))});
   }
   return result;

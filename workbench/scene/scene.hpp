@@ -1,7 +1,8 @@
-// A scene: one triangle mesh, and viewpoints of cameras.
+// A scene: one triangle mesh, or several that stand at places, and viewpoints of cameras.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,7 +12,15 @@
 #include <kerf/mesh.hpp>
 #include <kerf/vec.hpp>
 
+#include "workbench/scene/placed.hpp"
+
 namespace workbench {
+
+/// What becomes of meshes that a file shows several times.
+enum class Repeats {
+  flattened,  ///< copies in one mesh
+  kept,       ///< `Scene::placed`
+};
 
 struct Viewpoint {
   kerf::Vec3f position;
@@ -43,6 +52,13 @@ struct Scene {
 
   /// Of a .kerf file, as it was saved; its hits have the places of `triangles` for primitives.
   std::optional<kerf::Bvh> hierarchy = {};
+
+  /// Of a file that shows a mesh several times, if it was loaded so; `vertices` and `triangles` are empty
+  /// then.
+  std::optional<PlacedMeshes> placed = {};
+
+  /// Counted at each place.
+  std::size_t triangle_count() const { return placed ? placed->triangle_count() : triangles.size(); }
 
   kerf::TriangleMesh mesh() const { return {.vertices = vertices, .triangles = triangles}; }
 };

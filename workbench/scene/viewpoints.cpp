@@ -17,6 +17,9 @@ using namespace kerf;
 /// So many triangles distinguish open places from closed ones, and the hierarchy over them is built quickly.
 constexpr std::size_t sample_size = 100'000;
 
+/// Of scenes of many places so many triangles stand for all of them where views are sought.
+constexpr std::size_t shape_size = 4'000'000;
+
 /// From each place rays go in directions 22.5 degrees apart, with three slopes each.
 constexpr int directions = 16;
 constexpr float slopes[] = {-0.45f, -0.15f, 0.15f};
@@ -182,6 +185,17 @@ std::optional<Viewpoint> named_view(const TriangleMesh& mesh, std::string_view n
   if (name == "iso") direction = normalize(0.6f * right + 0.35f * above + front);
   if (direction == Vec3f{}) return std::nullopt;
   return look_from_outside(mesh, ball_around(bounds_of(mesh)), direction, upward, aspect);
+}
+
+std::vector<Viewpoint> choose_viewpoints(const Scene& scene) {
+  return scene.placed ? choose_viewpoints(flattened(*scene.placed, shape_size).mesh())
+                      : choose_viewpoints(scene.mesh());
+}
+
+std::optional<Viewpoint> named_view(const Scene& scene, std::string_view name, const Vec3f& up,
+                                    float aspect) {
+  return scene.placed ? named_view(flattened(*scene.placed, shape_size).mesh(), name, up, aspect)
+                      : named_view(scene.mesh(), name, up, aspect);
 }
 
 }  // namespace workbench

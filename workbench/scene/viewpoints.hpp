@@ -15,6 +15,9 @@ namespace workbench {
 /// the mesh is visible. The y axis is up. The result depends on the mesh alone. The mesh must be valid.
 std::vector<Viewpoint> choose_viewpoints(const kerf::TriangleMesh& mesh);
 
+/// The same of a scene of either kind.
+std::vector<Viewpoint> choose_viewpoints(const Scene& scene);
+
 /// Where to look from, by name, all outside: the directions of technical drawings with `up` upwards.
 inline constexpr std::string_view view_names[] = {"front", "back", "left", "right", "top", "bottom", "iso"};
 
@@ -23,5 +26,9 @@ inline constexpr std::string_view view_names[] = {"front", "back", "left", "righ
 /// along y. The mesh must be valid.
 std::optional<Viewpoint> named_view(const kerf::TriangleMesh& mesh, std::string_view name,
                                     const kerf::Vec3f& up, float aspect);
+
+/// The same of a scene of either kind.
+std::optional<Viewpoint> named_view(const Scene& scene, std::string_view name, const kerf::Vec3f& up,
+                                    float aspect);
 
 }  // namespace workbench

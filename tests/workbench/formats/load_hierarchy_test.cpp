@@ -1,6 +1,7 @@
 // A .kerf file in place of a scene.
 #include <gtest/gtest.h>
 #include <kerf/kerf.hpp>
+#include <kerf/scene.hpp>
 
 #include "support/temporary_directory.hpp"
 #include "workbench/generate/solids.hpp"
@@ -38,6 +39,46 @@ TEST(LoadHierarchy, AKerfFileHasTheTrianglesThatWereSavedInTheirPlaces) {
   EXPECT_EQ(scene.hierarchy->intersect(ray), expected);
   EXPECT_EQ(kerf::build(scene.mesh()).statistics().degenerate_triangles, 1u);
   EXPECT_FALSE(load_scene((directory / "two.kerf").string() + ":rotate=30").hierarchy.has_value());
+}
+
+TEST(LoadHierarchy, ASceneInAFileIsKeptOrCopied) {
+  const Solid sphere = make_sphere(2);
+  const kerf::Bvh object = kerf::build(sphere.mesh());
+  std::vector<kerf::Instance> row, rows;
+  for (int i = 0; i < 3; ++i) {
+    row.push_back({.object = object, .transform = {{{1, 0, 0, 4.0 * i}, {0, 2, 0, 0}, {0, 0, 1, 0}}}});
+    rows.push_back({.transform = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 8.0 * i}}}});
+  }
+  for (kerf::Instance& instance : rows) instance.scene = kerf::build(row);
+  const TemporaryDirectory directory;
+  kerf::build(rows).save(directory / "rows.kerf");
+  const std::string file = (directory / "rows.kerf").string();
+  const Scene kept = load_scene(file, {}, Repeats::kept), copied = load_scene(file);
+  ASSERT_TRUE(kept.placed);
+  EXPECT_EQ(kept.placed->meshes.size(), 1u);
+  EXPECT_EQ(kept.placed->places.size(), 9u);
+  EXPECT_EQ(kept.triangle_count(), 9 * sphere.triangles.size());
+  EXPECT_EQ(copied.triangles.size(), 9 * sphere.triangles.size());
+  EXPECT_EQ(kept.viewpoints.size(), copied.viewpoints.size());
+  const kerf::Scene scene = build_scene(*kept.placed, build_objects(*kept.placed));
+  const kerf::Bvh bvh = kerf::build(copied.mesh());
+  for (int i = 0; i < 9; ++i) {
+    const kerf::Ray ray{
+        .origin = {4.0f * static_cast<float>(i % 3) + 0.1f, 9, 8.0f * static_cast<float>(i / 3)},
+        .direction = {0, -1, 0}};
+    ASSERT_TRUE(scene.intersect(ray));
+    EXPECT_EQ(scene.intersect(ray)->t, bvh.intersect(ray)->t);
+    EXPECT_EQ(scene.intersect(ray)->instance, static_cast<std::uint32_t>(i));
+  }
+  // Turned, the first row stands along another axis.
+  const Scene turned = load_scene(file + ":rotate=90", {}, Repeats::kept),
+              turned_copies = load_scene(file + ":rotate=90");
+  for (std::size_t place = 0; place < 9; ++place) {
+    const kerf::Triangle triangle = turned.placed->triangle(place, 5);
+    const auto& [a, b, c] = turned_copies.triangles[place * sphere.triangles.size() + 5];
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(triangle.v0[axis], turned_copies.vertices[a][axis], 1e-5);
+  }
 }
 
 TEST(LoadHierarchy, AnInvalidKerfFileIsNamedInTheError) {

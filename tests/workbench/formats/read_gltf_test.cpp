@@ -1,9 +1,13 @@
 #include "workbench/formats/read_gltf.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,6 +16,8 @@
 #include <nlohmann/json.hpp>
 
 #include "support/scene_files.hpp"
+#include "support/temporary_directory.hpp"
+#include "workbench/formats/load_file.hpp"
 
 namespace workbench {
 namespace {
@@ -239,6 +245,76 @@ TEST(ReadGltf, NodesMoveWhatIsBelowThem) {
   expect_near(triangles[1], {Vec3f{0, 0, 5}, {0, 1, 5}, {-1, 0, 5}});
   expect_near(triangles[2], {Vec3f{0, 10, 5}, {0, 11, 5}, {-1, 10, 5}});
   EXPECT_NE(tell(load(maker.glb())).find("instances: 3 of 1 meshes"), std::string::npos);
+}
+
+// As `load`, with what several nodes show kept once.
+Scene load_kept(const Maker& maker) {
+  const TemporaryDirectory directory;
+  const auto file = directory / "a.glb";
+  write_bytes(file, maker.glb());
+  return load_file(file, {}, Repeats::kept);
+}
+
+TEST(ReadGltf, WhatSeveralNodesShowIsKeptOnce) {
+  Maker maker = unit_maker();
+  const double half = std::sqrt(0.5);
+  maker.json["meshes"].push_back(maker.json["meshes"][0]);  // shown once
+  maker.json["nodes"] = {{{"children", {1, 2, 4, 5}}, {"translation", {0, 0, 5}}},
+                         {{"mesh", 0}, {"scale", {-2, 1, 1}}},
+                         {{"mesh", 0}, {"rotation", {0, 0, half, half}}, {"children", {3}}},
+                         {{"mesh", 0}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 10, 0, 0, 1}}},
+                         {{"mesh", 1}, {"translation", {1, 2, 3}}},
+                         {{"mesh", 0}, {"scale", {0, 1, 1}}}};  // flat: it has no place
+  const Scene scene = load_kept(maker);
+  ASSERT_TRUE(scene.placed);
+  EXPECT_TRUE(scene.triangles.empty());
+  EXPECT_EQ(scene.triangle_count(), 5u);
+  const PlacedMeshes& placed = *scene.placed;
+  ASSERT_EQ(placed.meshes.size(), 2u);
+  EXPECT_EQ(placed.meshes[0].triangles.size(), 2u);  // what is shown once, and what is flat
+  EXPECT_EQ(placed.meshes[1].triangles.size(), 1u);
+  EXPECT_EQ(placed.places.size(), 4u);
+  Scene copied;
+  PlacedMeshes::Mesh flat = flattened(placed, 1000);
+  copied.vertices = std::move(flat.vertices);
+  copied.triangles = std::move(flat.triangles);
+  std::vector<Triangle> found = triangles_of(copied), expected = read(maker);
+  const auto by_corners = [](const Triangle& a, const Triangle& b) {
+    const auto key = [](const Triangle& t) {
+      return std::tuple(t[0].x, t[0].y, t[0].z, t[1].x, t[1].y, t[1].z, t[2].x, t[2].y, t[2].z);
+    };
+    return key(a) < key(b);
+  };
+  std::sort(found.begin(), found.end(), by_corners);
+  std::sort(expected.begin(), expected.end(), by_corners);
+  EXPECT_EQ(found, expected);
+  EXPECT_NE(tell(scene).find("instances: 5 of 2 meshes"), std::string::npos) << tell(scene);
+}
+
+TEST(ReadGltf, WhatIsShownOnceIsOneMesh) {
+  Maker maker = unit_maker();
+  maker.json["meshes"].push_back(maker.json["meshes"][0]);
+  maker.json["nodes"] = {{{"mesh", 0}, {"children", {1}}}, {{"mesh", 1}, {"translation", {1, 2, 3}}}};
+  const Scene scene = load_kept(maker);
+  EXPECT_FALSE(scene.placed);
+  EXPECT_EQ(triangles_of(scene), read(maker));
+}
+
+// Weights of morph targets make another mesh of it.
+TEST(ReadGltf, MeshesThatNodesPoseDifferentlyAreDifferent) {
+  Maker maker = unit_maker();
+  maker.json["meshes"][0]["primitives"][0]["targets"] = {
+      {{"POSITION", maker.add_points({0, 0, 1, 0, 0, 1, 0, 0, 1})}}};
+  maker.json["nodes"] = {{{"children", {1, 2, 3, 4}}},
+                         {{"mesh", 0}, {"weights", {1}}},
+                         {{"mesh", 0}, {"weights", {1}}, {"translation", {5, 0, 0}}},
+                         {{"mesh", 0}, {"weights", {0}}},
+                         {{"mesh", 0}}};
+  const Scene scene = load_kept(maker);
+  ASSERT_TRUE(scene.placed);
+  EXPECT_EQ(scene.placed->meshes.size(), 2u);
+  EXPECT_EQ(scene.placed->stored_triangles(), 3u);
+  EXPECT_EQ(scene.triangle_count(), 4u);
 }
 
 TEST(ReadGltf, TheSceneIsTheOneThatTheFileNames) {

@@ -41,6 +41,37 @@ TEST(Rays, PrimaryOnesRunThroughPixelsTileAfterTile) {
   EXPECT_TRUE(make_rays(scene, build(scene.mesh()), RayType::ao).any_hit());
 }
 
+// Where floats hold the copies, it makes no difference to rays that they are not made.
+TEST(Rays, ThoseOfPlacedMeshesAreThoseOfTheirCopies) {
+  const Solid sphere = make_sphere(2);
+  Scene kept = scene_of({}), copied = scene_of({});
+  kept.placed.emplace();
+  kept.placed->meshes.push_back({sphere.vertices, sphere.triangles});
+  for (int i = 0; i < 5; ++i)
+    kept.placed->places.push_back({0, {{{2, 0, 0, 4.0 * i}, {0, 0, -1, 0}, {0, 1, 0, 8}}}});
+  PlacedMeshes::Mesh flat = flattened(*kept.placed, 1'000'000);
+  copied.vertices = std::move(flat.vertices);
+  copied.triangles = std::move(flat.triangles);
+  kept.viewpoints = copied.viewpoints = choose_viewpoints(copied);
+  EXPECT_EQ(choose_viewpoints(kept)[4].position, copied.viewpoints[4].position);
+  const kerf::Scene places = build_scene(*kept.placed, build_objects(*kept.placed));
+  const Bvh bvh = build(copied.mesh());
+  const RaySetOptions size{.width = 64, .height = 48};
+  const auto bytes = [](const RaySet& set) { return std::as_bytes(std::span(set.rays)); };
+  EXPECT_TRUE(std::ranges::equal(bytes(make_rays(Traced(kept, places), RayType::primary, size)),
+                                 bytes(make_rays(copied, bvh, RayType::primary, size))));
+  for (const RayType type : {RayType::ao, RayType::diffuse}) {
+    const RaySet of_places = make_rays(Traced(kept, places), type, size),
+                 of_copies = make_rays(copied, bvh, type, size);
+    ASSERT_EQ(of_places.rays.size(), of_copies.rays.size());
+    ASSERT_GT(of_places.rays.size(), 1000u);
+    std::size_t equal = 0;  // lengths of the reach depend on the box, which is not tight around places
+    for (std::size_t i = 0; i < of_places.rays.size(); ++i)
+      equal += of_places.rays[i].direction == of_copies.rays[i].direction;
+    EXPECT_EQ(equal, of_places.rays.size());
+  }
+}
+
 TEST(Rays, SecondaryOnesLeaveFromEveryPrimaryHitWithoutHittingItAgain) {
   for (const float scale : {1e-3f, 1.0f, 1e5f}) {
     for (const float shift : {0.0f, 100.0f}) {

@@ -5,12 +5,15 @@
 #else
 #include <embree3/rtcore.h>
 #endif
+#include <algorithm>
 #include <atomic>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <kerf/error.hpp>
 
@@ -81,28 +84,57 @@ struct Quality {
 struct Scene {
   std::shared_ptr<Device> device;
   RTCScene handle;
+  std::vector<std::unique_ptr<const Scene>> objects;  ///< that stand at places in it
 
   Scene(std::shared_ptr<Device> on, const kerf::TriangleMesh& mesh, Quality quality)
-      : device(std::move(on)), handle(rtcNewScene(device->handle)) {
-    rtcSetSceneBuildQuality(handle, quality.build);
-    rtcSetSceneFlags(handle, quality.flags);
+      : Scene(std::move(on), quality) {
     RTCGeometry geometry = rtcNewGeometry(device->handle, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices.data(),
                                0, mesh.vertices.stride(), mesh.vertices.size());
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
                                mesh.triangles.stride(), mesh.triangles.size());
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(handle, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(handle);
-    if (rtcGetDeviceError(device->handle) != RTC_ERROR_NONE) {
-      rtcReleaseScene(handle);
-      throw kerf::Error(kerf::Error::invalid_argument, "Embree cannot build this scene");
-    }
+    attach(geometry);
+    commit();
   }
+
+  Scene(std::shared_ptr<Device> on, const PlacedMeshes& placed, Quality quality)
+      : Scene(std::move(on), quality) {
+    for (const PlacedMeshes::Mesh& mesh : placed.meshes)
+      objects.push_back(std::make_unique<const Scene>(device, mesh.mesh(), quality));
+    for (const auto& [mesh, transform] : placed.places) {
+      RTCGeometry geometry = rtcNewGeometry(device->handle, RTC_GEOMETRY_TYPE_INSTANCE);
+      rtcSetGeometryInstancedScene(geometry, objects[mesh]->handle);
+      float rows[12];
+      std::transform(&transform.rows[0][0], &transform.rows[0][0] + 12, rows,
+                     [](double number) { return static_cast<float>(number); });
+      rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
+      attach(geometry);
+    }
+    commit();
+  }
+
   ~Scene() { rtcReleaseScene(handle); }
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
+
+ private:
+  Scene(std::shared_ptr<Device> on, Quality quality)
+      : device(std::move(on)), handle(rtcNewScene(device->handle)) {
+    rtcSetSceneBuildQuality(handle, quality.build);
+    rtcSetSceneFlags(handle, quality.flags);
+  }
+
+  void attach(RTCGeometry geometry) {
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(handle, geometry);
+    rtcReleaseGeometry(geometry);
+  }
+
+  void commit() {
+    rtcCommitScene(handle);
+    if (rtcGetDeviceError(device->handle) != RTC_ERROR_NONE)
+      throw kerf::Error(kerf::Error::invalid_argument, "Embree cannot build this scene");
+  }
 };
 
 // Embree 3 and 4 differ here in one point only: how a query is given its flags.
@@ -337,10 +369,10 @@ Tracer trace_packets(std::shared_ptr<const Scene> scene, std::string engine, uns
 Engine embree_engine(std::string name, unsigned threads, const std::string& isa, Quality quality,
                      bool packets) {
   const auto device = std::make_shared<Device>(threads, isa);
-  const auto build = [=](const kerf::TriangleMesh& mesh) {
+  const auto build = [=](const auto& shape) {  // a mesh, or several at places
     const std::ptrdiff_t before = device->memory.now;
     device->memory.peak = before;
-    const auto scene = std::make_shared<const Scene>(device, mesh, quality);
+    const auto scene = std::make_shared<const Scene>(device, shape, quality);
     Traceable traceable{.bytes = static_cast<std::size_t>(device->memory.now - before),
                         .build_peak_bytes = static_cast<std::size_t>(device->memory.peak - before),
                         .tracers = {}};
@@ -348,7 +380,11 @@ Engine embree_engine(std::string name, unsigned threads, const std::string& isa,
     if (packets) traceable.tracers.push_back(trace_packets(scene, name + "-packet", threads));
     return traceable;
   };
-  return {.name = name, .version = "Embree " RTC_VERSION_STRING, .isa = isa, .build = build};
+  return {.name = name,
+          .version = "Embree " RTC_VERSION_STRING,
+          .isa = isa,
+          .build = build,
+          .build_placed = build};
 }
 
 }  // namespace

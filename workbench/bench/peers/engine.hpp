@@ -13,6 +13,7 @@
 #include <kerf/ray.hpp>
 
 #include "workbench/rays/rays.hpp"
+#include "workbench/scene/placed.hpp"
 
 namespace workbench {
 
@@ -44,6 +45,9 @@ struct Engine {
   /// From the caller's arrays to a structure that is ready to trace. This call is timed. It may read 16 bytes
   /// from the start of the last vertex.
   std::function<Traceable(const kerf::TriangleMesh&)> build;
+
+  /// The same of meshes at places, each of which has one structure however often it stands somewhere.
+  std::function<Traceable(const PlacedMeshes&)> build_placed = {};
 };
 
 }  // namespace workbench
