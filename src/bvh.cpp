@@ -10,9 +10,9 @@ namespace kerf {
 namespace {
 
 // What a hierarchy of nothing shares. It is a constant, so that handles are made and moved without memory.
-std::shared_ptr<const Structure> nothing() noexcept {
+Shared<Structure> nothing() noexcept {
   static const Structure structure;
-  return {std::shared_ptr<const void>(), &structure};
+  return SharedPointer<Structure>::share({std::shared_ptr<const void>(), &structure});
 }
 
 Vec3f rounded(const Vec3d& point, const Vec3d& origin) {
@@ -22,8 +22,10 @@ Vec3f rounded(const Vec3d& point, const Vec3d& origin) {
 
 }  // namespace
 
+template class Shared<Structure>;
+
 Bvh::Bvh() noexcept : structure_(nothing()) {}
-Bvh::Bvh(std::shared_ptr<const Structure> structure) noexcept : structure_(std::move(structure)) {}
+Bvh::Bvh(Shared<Structure> structure) noexcept : structure_(std::move(structure)) {}
 Bvh::Bvh(Bvh&& other) noexcept : structure_(std::exchange(other.structure_, nothing())) {}
 Bvh& Bvh::operator=(Bvh&& other) noexcept {
   structure_ = std::exchange(other.structure_, nothing());

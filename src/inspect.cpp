@@ -25,13 +25,17 @@ struct TreeContent {
   TreeContent(std::span<const TriangleMesh> given, const BuildOptions& options)
       : meshes(given.begin(), given.end()), tree(make_tree(geometry, options)) {}
 
-  static Tree share(std::shared_ptr<const TreeContent> content) { return Tree(std::move(content)); }
+  static Tree share(std::shared_ptr<const TreeContent> content) {
+    return Tree(SharedPointer<TreeContent>::share(std::move(content)));
+  }
 
   static const TreeContent& of(const Tree& tree) {
     static const TreeContent nothing{{}, {}};
-    return tree.content_ ? *tree.content_ : nothing;
+    return tree.content_.get() != nullptr ? *tree.content_ : nothing;
   }
 };
+
+template class Shared<TreeContent>;
 
 namespace {
 

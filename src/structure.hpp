@@ -10,6 +10,7 @@
 
 #include <kerf/bvh.hpp>
 
+#include "base/shared_pointer.hpp"
 #include "layout/refit.hpp"
 #include "layout/wide_bvh.hpp"
 
@@ -47,8 +48,12 @@ struct Structure {
   std::vector<StandIn> stand_ins;                 ///< in leaves since the last one
 
   static const Structure& of(const Bvh& bvh) { return *bvh.structure_; }
-  static std::shared_ptr<const Structure>& pointer_of(Bvh& bvh) { return bvh.structure_; }
-  static Bvh share(std::shared_ptr<const Structure> structure) { return Bvh(std::move(structure)); }
+  static std::shared_ptr<const Structure>& pointer_of(Bvh& bvh) {
+    return SharedPointer<Structure>::in(bvh.structure_);
+  }
+  static Bvh share(std::shared_ptr<const Structure> structure) {
+    return Bvh(SharedPointer<Structure>::share(std::move(structure)));
+  }
 };
 
 /// The one way to a structure, for builds and for files. Chooses the kernels and fills in the statistics, but

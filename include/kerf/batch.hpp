@@ -6,8 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <ranges>
-#include <span>
+#include <span>  // with the concepts of ranges, without <ranges>, which takes longer than all of kerf
 #include <type_traits>
 #include <utility>
 #include <vector>

@@ -4,10 +4,8 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -15,8 +13,10 @@
 
 #include <kerf/batch.hpp>
 #include <kerf/export.hpp>
+#include <kerf/file_name.hpp>
 #include <kerf/query.hpp>
 #include <kerf/ray.hpp>
+#include <kerf/shared.hpp>
 #include <kerf/vec.hpp>
 
 namespace kerf {
@@ -269,10 +269,10 @@ class KERF_API Bvh {
 
   /// Writes the hierarchy to a file (docs/file-format.md). The same meshes and options give the same bytes,
   /// whatever the number of threads, on all machines whose nodes have as many children (`Layout::width`).
-  /// The file is written beside `path` and gets its name when it is complete and on the disk, so that a crash
+  /// The file is written beside `name` and gets its name when it is complete and on the disk, so that a crash
   /// leaves the old file or the new one. The permissions of an old file are kept and links are followed. What
   /// is not a regular file (a directory, a device) is not replaced. Throws `Error::io` or `out_of_memory`.
-  void save(const std::filesystem::path& path) const;
+  void save(const FileName& name) const;
 
   /// The bytes of that file. Throws `Error::out_of_memory`.
   std::vector<std::byte> save() const;
@@ -281,7 +281,7 @@ class KERF_API Bvh {
   /// Everything in it is checked before it is used: a damaged or forged file is refused with
   /// `Error::bad_format`, which says what is wrong. A large file is read on all cores. Also throws
   /// `Error::io` or `out_of_memory`. The statistics about the build itself are 0.
-  static Bvh load(const std::filesystem::path& path);
+  static Bvh load(const FileName& name);
 
   /// The same from the bytes of such a file, which are copied. Throws `Error::bad_format` or `out_of_memory`.
   static Bvh load(std::span<const std::byte> bytes);
@@ -289,7 +289,7 @@ class KERF_API Bvh {
   /// As `load`, but refuses nodes of another width with `Error::bad_format`, and maps the file into memory
   /// that all processes that do so share. Nobody may change or truncate the file meanwhile; `load` has no
   /// such condition.
-  static Bvh map(const std::filesystem::path& path);
+  static Bvh map(const FileName& name);
 
   /// Where the local frame lies in which the hierarchy was built: 0 unless it was built from a `DoubleMesh`.
   /// All rays, points and boxes of the other calls are distances from it.
@@ -316,7 +316,7 @@ class KERF_API Bvh {
 
  private:
   friend struct Structure;
-  explicit Bvh(std::shared_ptr<const Structure> structure) noexcept;
+  explicit Bvh(Shared<Structure> structure) noexcept;
   template <class Call>
   static bool call_filter(void* call, const Hit& hit) {
     return (*static_cast<Call*>(call))(hit);
@@ -336,7 +336,7 @@ class KERF_API Bvh {
                          bool (*accept)(void* context, const Hit& hit)) const;
   void visit_hits(const Ray& ray, const void* visitor, bool (*visit)(const void*, const Hit&)) const;
 
-  std::shared_ptr<const Structure> structure_;
+  Shared<Structure> structure_;
 };
 
 }  // namespace kerf

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <ranges>
+#include <span>  // with the concepts of ranges, without <ranges>, which takes longer than all of kerf
 #include <type_traits>
 #include <utility>
 

@@ -4,10 +4,8 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -17,6 +15,7 @@
 #include <kerf/build.hpp>
 #include <kerf/bvh.hpp>
 #include <kerf/export.hpp>
+#include <kerf/file_name.hpp>
 #include <kerf/query.hpp>
 #include <kerf/ray.hpp>
 #include <kerf/vec.hpp>
@@ -279,7 +278,7 @@ class KERF_API Scene {
   /// Writes the scene to a file (docs/file-format.md): each hierarchy once, however often it stands in the
   /// scene or in scenes there. The rest is as by `Bvh::save`. Throws `Error::io`, `out_of_memory`, or
   /// `too_large` for 2^31 hierarchies or scenes.
-  void save(const std::filesystem::path& path) const;
+  void save(const FileName& name) const;
 
   /// The bytes of that file. Throws `Error::out_of_memory` or `too_large`.
   std::vector<std::byte> save() const;
@@ -288,13 +287,13 @@ class KERF_API Scene {
   /// one hierarchy is one again. Everything is checked before it is used, as by `Bvh::load`, and refused with
   /// `Error::bad_format`. The file of a `Bvh` is a scene of one instance. Also throws `Error::io` or
   /// `out_of_memory`. While any of the hierarchies lives, so does the memory of all.
-  static Scene load(const std::filesystem::path& path);
+  static Scene load(const FileName& name);
 
   /// The same from the bytes of such a file, which are copied. Throws `Error::bad_format` or `out_of_memory`.
   static Scene load(std::span<const std::byte> bytes);
 
   /// As `load`, with the hierarchies mapped as by `Bvh::map`.
-  static Scene map(const std::filesystem::path& path);
+  static Scene map(const FileName& name);
 
   /// The instances that were given to `build`. Valid as long as this handle or a copy of it.
   std::span<const Instance> instances() const;
@@ -319,7 +318,7 @@ class KERF_API Scene {
 
  private:
   friend struct SceneStructure;
-  explicit Scene(std::shared_ptr<const SceneStructure> structure) noexcept;
+  explicit Scene(Shared<SceneStructure> structure) noexcept;
   std::vector<SceneHit> list_hits(const Ray& ray) const;
   template <class Call>
   static bool call_filter(void* call, const SceneHit& hit) {
@@ -339,7 +338,7 @@ class KERF_API Scene {
   void occluded_filtered(const RayView& rays, const FlagView& occluded, const BatchOptions& options,
                          const void* context, FilterOfMany accept) const;
 
-  std::shared_ptr<const SceneStructure> structure_;
+  Shared<SceneStructure> structure_;
 };
 
 /// An object, or a scene of such, at a place in a scene.

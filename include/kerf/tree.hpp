@@ -3,12 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <utility>
 
 #include <kerf/export.hpp>
 #include <kerf/query.hpp>
+#include <kerf/shared.hpp>
 #include <kerf/triangle.hpp>
 #include <kerf/vec.hpp>
 
@@ -59,9 +59,9 @@ class KERF_API Tree {
 
  private:
   friend struct TreeContent;
-  explicit Tree(std::shared_ptr<const TreeContent> content) : content_(std::move(content)) {}
+  explicit Tree(Shared<TreeContent> content) noexcept : content_(std::move(content)) {}
 
-  std::shared_ptr<const TreeContent> content_;
+  Shared<TreeContent> content_;
 };
 
 }  // namespace kerf

@@ -5,7 +5,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <ranges>
+#include <span>  // with the concepts of ranges, without <ranges>, which takes longer than all of kerf
 #include <type_traits>
 #include <utility>
 

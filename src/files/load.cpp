@@ -26,8 +26,8 @@ void check_header(const InputFile& file) {
 
 }  // namespace
 
-Bvh Bvh::load(const std::filesystem::path& path) {
-  return naming_file(path, [&] {
+Bvh Bvh::load(const FileName& name) {
+  return naming_file(name, [&](const std::filesystem::path& path) {
     const InputFile file(path);
     check_header(file);
     const AlignedArray<std::byte> image(static_cast<std::size_t>(file.size()));
@@ -47,8 +47,8 @@ Bvh Bvh::load(std::span<const std::byte> bytes) {
   });
 }
 
-Bvh Bvh::map(const std::filesystem::path& path) {
-  return naming_file(path, [&] {
+Bvh Bvh::map(const FileName& name) {
+  return naming_file(name, [&](const std::filesystem::path& path) {
     const InputFile file(path);
     check_header(file);
     std::shared_ptr<const std::byte> memory = file.map();

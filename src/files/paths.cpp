@@ -22,6 +22,11 @@ std::string text_of(const std::filesystem::path& path) {
 }
 #endif
 
+std::filesystem::path path_of(const FileName& name) {
+  if (name.wide() != nullptr) return {name.wide(), name.wide() + name.size()};
+  return {name.narrow(), name.narrow() + name.size()};
+}
+
 void check_path(const std::filesystem::path& path) {
   if (path.native().find(std::filesystem::path::value_type{}) != std::filesystem::path::string_type::npos)
     raise(Error::io, "%s: has a zero byte in its name", text_of(path).c_str());

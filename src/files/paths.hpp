@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include <kerf/file_name.hpp>
+
 namespace kerf {
 
 /// The bytes that the system has, which takes no memory; on Windows, in UTF-8.
@@ -14,6 +16,9 @@ inline const std::string& text_of(const std::filesystem::path& path) {
   return path.native();
 }
 #endif
+
+/// The path of that name. Throws `std::bad_alloc`.
+std::filesystem::path path_of(const FileName& name);
 
 /// To the system a path ends at a zero character: it would open another file. Throws `Error::io` for one.
 void check_path(const std::filesystem::path& path);

@@ -12,8 +12,9 @@
 
 namespace kerf {
 
-void Bvh::save(const std::filesystem::path& path) const {
-  naming_file(path, [&] { replace_file(path, FileImage(*structure_).pieces()); });
+void Bvh::save(const FileName& name) const {
+  naming_file(
+      name, [&](const std::filesystem::path& path) { replace_file(path, FileImage(*structure_).pieces()); });
 }
 
 std::vector<std::byte> Bvh::save() const {

@@ -89,8 +89,8 @@ Scene read_scene(std::span<const std::byte> image, const std::shared_ptr<const v
 
 }  // namespace
 
-Scene Scene::load(const std::filesystem::path& path) {
-  return naming_file(path, [&] {
+Scene Scene::load(const FileName& name) {
+  return naming_file(name, [&](const std::filesystem::path& path) {
     const InputFile file(path);
     check_header(file);
     const AlignedArray<std::byte> image(static_cast<std::size_t>(file.size()));
@@ -110,8 +110,8 @@ Scene Scene::load(std::span<const std::byte> bytes) {
   });
 }
 
-Scene Scene::map(const std::filesystem::path& path) {
-  return naming_file(path, [&] {
+Scene Scene::map(const FileName& name) {
+  return naming_file(name, [&](const std::filesystem::path& path) {
     const InputFile file(path);
     check_header(file);
     const std::shared_ptr<const std::byte> memory = file.map();

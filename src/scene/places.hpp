@@ -10,6 +10,7 @@
 
 #include <kerf/scene.hpp>
 
+#include "base/shared_pointer.hpp"
 #include "base/small_vector.hpp"
 #include "base/uninitialized.hpp"
 #include "layout/wide_bvh.hpp"
@@ -66,7 +67,9 @@ struct SceneStructure {
   const Instance& instance_of(const Place& place) const { return instances[index_of(place.number)]; }
 
   static const SceneStructure& of(const Scene& scene) { return *scene.structure_; }
-  static Scene share(std::shared_ptr<const SceneStructure> structure) { return Scene(std::move(structure)); }
+  static Scene share(std::shared_ptr<const SceneStructure> structure) {
+    return Scene(SharedPointer<SceneStructure>::share(std::move(structure)));
+  }
 };
 
 inline constexpr float end_of_ray = -std::numeric_limits<float>::infinity();

@@ -78,8 +78,9 @@ class SceneImage {
 
 }  // namespace
 
-void Scene::save(const std::filesystem::path& path) const {
-  naming_file(path, [&] { replace_file(path, SceneImage(*structure_).pieces()); });
+void Scene::save(const FileName& name) const {
+  naming_file(
+      name, [&](const std::filesystem::path& path) { replace_file(path, SceneImage(*structure_).pieces()); });
 }
 
 std::vector<std::byte> Scene::save() const {

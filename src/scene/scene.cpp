@@ -25,9 +25,9 @@
 namespace kerf {
 namespace {
 
-std::shared_ptr<const SceneStructure> nothing() noexcept {
+Shared<SceneStructure> nothing() noexcept {
   static const SceneStructure structure;
-  return {std::shared_ptr<const void>(), &structure};
+  return SharedPointer<SceneStructure>::share({std::shared_ptr<const void>(), &structure});
 }
 
 bool is_finite(const Transform& transform) {
@@ -191,8 +191,10 @@ std::shared_ptr<const SceneStructure> build_structure(std::span<const Instance> 
 
 }  // namespace
 
+template class Shared<SceneStructure>;
+
 Scene::Scene() noexcept : structure_(nothing()) {}
-Scene::Scene(std::shared_ptr<const SceneStructure> structure) noexcept : structure_(std::move(structure)) {}
+Scene::Scene(Shared<SceneStructure> structure) noexcept : structure_(std::move(structure)) {}
 Scene::Scene(Scene&& other) noexcept : structure_(std::exchange(other.structure_, nothing())) {}
 Scene& Scene::operator=(Scene&& other) noexcept {
   structure_ = std::exchange(other.structure_, nothing());
