@@ -13,6 +13,7 @@
 
 #include <hwy/highway.h>
 
+#include "simd/floats-inl.h"
 #include "simd/targets.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -36,18 +37,25 @@ constexpr FrontLanes front_lanes = [] {
 }();
 #endif
 
-// Moves the lanes that `mask` has to the front. For eight lanes (AVX2) Highway's own function has a table of
-// 1 KiB, which GCC 12 copies to the stack at each call: that took a third of the time of a ray.
+#if KERF_FLOAT_LANES == 8
+// Moves the lanes of `set`, a bit for each, to the front. Highway's own function has a table of 1 KiB for
+// eight lanes, which GCC 12 copies to the stack at each call: that took a third of the time of a ray.
+template <class V>
+HWY_INLINE V compress_set(V v, std::uint32_t set) {
+  const hn::DFromV<V> tag;
+  const hn::RebindToUnsigned<hn::DFromV<V>> integers;
+  const hn::Rebind<std::uint8_t, hn::DFromV<V>> bytes;
+  const auto lanes = hn::PromoteTo(integers, hn::LoadU(bytes, front_lanes.lane[set]));
+  return hn::TableLookupLanes(v, hn::IndicesFromVec(tag, lanes));
+}
+#endif
+
+// Moves the lanes that `mask` has to the front.
 template <class V, class M>
 HWY_INLINE V compress(V v, M mask) {
   const hn::DFromV<V> tag;
 #if KERF_FLOAT_LANES == 8
-  const hn::RebindToUnsigned<hn::DFromV<V>> integers;
-  const hn::Rebind<std::uint8_t, hn::DFromV<V>> bytes;
-  std::uint8_t set[8] = {};
-  hn::StoreMaskBits(tag, hn::RebindMask(tag, mask), set);
-  const auto lanes = hn::PromoteTo(integers, hn::LoadU(bytes, front_lanes.lane[set[0]]));
-  return hn::TableLookupLanes(v, hn::IndicesFromVec(tag, lanes));
+  return compress_set(v, bits(tag, hn::RebindMask(tag, mask)));
 #else
   return hn::Compress(v, hn::RebindMask(tag, mask));
 #endif

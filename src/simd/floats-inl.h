@@ -25,6 +25,8 @@ using FloatTag = hn::CappedTag<float, 8>;
 using FloatVector = hn::Vec<FloatTag>;
 inline constexpr std::size_t vector_lanes = hn::MaxLanes(FloatTag());
 
+// Where one vector suffices there is no loop, not even one of a single turn: with loops GCC keeps structures
+// of several of these in memory.
 template <std::size_t count>
 struct Floats {
   using Tag = hn::CappedTag<float, count>;
@@ -37,14 +39,16 @@ template <std::size_t count = 8>
 HWY_INLINE Floats<count> load(const float* p) {
   using F = Floats<count>;
   F r;
-  for (std::size_t i = 0; i < F::vectors; ++i) r.vector[i] = hn::LoadU(typename F::Tag(), p + i * F::lanes);
+  r.vector[0] = hn::LoadU(typename F::Tag(), p);
+  for (std::size_t i = 1; i < F::vectors; ++i) r.vector[i] = hn::LoadU(typename F::Tag(), p + i * F::lanes);
   return r;
 }
 template <std::size_t count = 8>
 HWY_INLINE Floats<count> broadcast(float x) {
   using F = Floats<count>;
   F r;
-  for (std::size_t i = 0; i < F::vectors; ++i) r.vector[i] = hn::Set(typename F::Tag(), x);
+  r.vector[0] = hn::Set(typename F::Tag(), x);
+  for (std::size_t i = 1; i < F::vectors; ++i) r.vector[i] = hn::Set(typename F::Tag(), x);
   return r;
 }
 template <std::size_t count>
@@ -57,7 +61,8 @@ HWY_INLINE void store(const Floats<count>& a, float* p) {
   template <std::size_t count>                                                                     \
   HWY_INLINE Floats<count> name(const Floats<count>& a, const Floats<count>& b) {                  \
     Floats<count> r;                                                                               \
-    for (std::size_t i = 0; i < r.vectors; ++i) r.vector[i] = operation(a.vector[i], b.vector[i]); \
+    r.vector[0] = operation(a.vector[0], b.vector[0]);                                             \
+    for (std::size_t i = 1; i < r.vectors; ++i) r.vector[i] = operation(a.vector[i], b.vector[i]); \
     return r;                                                                                      \
   }
 KERF_FLOATS_BINARY(operator+, hn::Add)
@@ -71,8 +76,25 @@ KERF_FLOATS_BINARY(maximum, hn::Max)
 template <std::size_t count>
 HWY_INLINE Floats<count> absolute(const Floats<count>& a) {
   Floats<count> r;
-  for (std::size_t i = 0; i < r.vectors; ++i) r.vector[i] = hn::Abs(a.vector[i]);
+  r.vector[0] = hn::Abs(a.vector[0]);
+  for (std::size_t i = 1; i < r.vectors; ++i) r.vector[i] = hn::Abs(a.vector[i]);
   return r;
+}
+
+// The larger and the smaller of floats of which the result matters only where none is negative. There the
+// order of floats is that of their bits, and integers are compared in one cycle, where floats take up to
+// four.
+template <class V>
+HWY_INLINE V larger_as_bits(V a, V b) {
+  const hn::DFromV<V> floats;
+  const hn::RebindToSigned<hn::DFromV<V>> integers;
+  return hn::BitCast(floats, hn::Max(hn::BitCast(integers, a), hn::BitCast(integers, b)));
+}
+template <class V>
+HWY_INLINE V smaller_as_bits(V a, V b) {
+  const hn::DFromV<V> floats;
+  const hn::RebindToSigned<hn::DFromV<V>> integers;
+  return hn::BitCast(floats, hn::Min(hn::BitCast(integers, a), hn::BitCast(integers, b)));
 }
 
 template <class Tag>
@@ -115,7 +137,8 @@ template <std::size_t count>
 HWY_INLINE Floats<count> difference_of_products(const Floats<count>& a, const Floats<count>& b,
                                                 const Floats<count>& c, const Floats<count>& d) {
   Floats<count> r;
-  for (std::size_t i = 0; i < r.vectors; ++i)
+  r.vector[0] = difference_of_products(a.vector[0], b.vector[0], c.vector[0], d.vector[0]);
+  for (std::size_t i = 1; i < r.vectors; ++i)
     r.vector[i] = difference_of_products(a.vector[i], b.vector[i], c.vector[i], d.vector[i]);
   return r;
 }

@@ -132,6 +132,18 @@ TEST(Tracing, DirectionsAlongAxesAndInPlanesOfBoxesAreHit) {
   expect_brute_force_hits(soup, rays);
 }
 
+TEST(Tracing, RangesThatBeginAtOrBehindTheOriginAreSearchedAsTheyAre) {
+  std::mt19937 random(8);
+  const TriangleSoup soup = random_soup(random, 200, 0.8f, 1.0f);
+  std::vector<Ray> rays = rays_at(soup, random, 400, 0.9f);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    constexpr float starts[] = {-0.0f, -1e-42f, -0.25f, -3.0f, -infinity};
+    rays[i].t_min = starts[i % std::size(starts)];
+    if (i % 3 == 0) rays[i].t_max = i % 2 == 0 ? -0.0f : -0.125f;  // all of it at the origin or behind
+  }
+  expect_brute_force_hits(soup, rays);
+}
+
 TEST(Tracing, DirectionLengthScalesTAlone) {
   std::mt19937 random(6);
   const TriangleSoup soup = random_soup(random, 100, 0.8f, 1.0f);

@@ -152,8 +152,8 @@ void visit_crossings(const WideBvh& bvh, const Ray& ray, void* visitor,
     } else {
       const Node& node = node_at(bvh, link.node());
       std::uint32_t nearest;
-      push_children<false>(node, meet_boxes(constants, t_max, node), line.wide.octant, waiting, depth,
-                           nearest);
+      const Spans spans = meet_boxes<false>(constants, t_max, node);
+      push_children<false>(node, spans, boxes_met<false>(spans), line.wide.octant, waiting, depth, nearest);
     }
     while (true) {
       if (depth == 0) {

@@ -38,9 +38,9 @@ HWY_INLINE void walk_line(const WideBvh& bvh, const LineRay& line, Visit&& visit
     bool at_leaf = true;
     while (!link.is_leaf()) {
       const Node& node = node_at(bvh, link.node());
-      const Spans spans = meet_boxes(constants, t_max, node);
-      step_next<true, false, nodes_per_line_step - 1>(bvh, constants, octant, t_max, line.t_max, stack, depth,
-                                                      nullptr);
+      const Spans spans = meet_boxes<false>(constants, t_max, node);
+      step_next<true, false, false, nodes_per_line_step - 1>(bvh, constants, octant, t_max, line.t_max, stack,
+                                                             depth, nullptr);
       const std::uint32_t met = less_or_equal(spans.first, spans.last);
       if (met == 0) {
         at_leaf = false;
@@ -51,7 +51,7 @@ HWY_INLINE void walk_line(const WideBvh& bvh, const LineRay& line, Visit&& visit
         continue;
       }
       std::uint32_t nearest;
-      push_children<true>(node, spans, octant, stack, depth, nearest);
+      push_children<true>(node, spans, met, octant, stack, depth, nearest);
       --depth;
       link = ChildLink(nearest);
     }

@@ -39,7 +39,6 @@ class Interleaved {
 
   struct RayState {
     WideRay ray;
-    StoredNodeConstants node_constants;
     Nearest best;
     std::size_t result;  // where the hit goes
     std::uint32_t link;
@@ -91,11 +90,10 @@ class Interleaved {
     while (next_ < count_) {
       const std::uint32_t i = which_[next_++];
       const Ray& ray = rays_[i];
-      if (HWY_UNLIKELY(!set_up(ray, bvh_, state.ray))) {
+      if (HWY_UNLIKELY(std::signbit(ray.t_min) || !set_up(ray, bvh_, state.ray))) {
         finish(i, scale(ray));
         continue;
       }
-      state.node_constants.set(state.ray);
       if (!(ray.t_min <= ray.t_max)) {
         finish(i, Hit{});
         continue;
@@ -132,12 +130,13 @@ class Interleaved {
   HWY_INLINE void step(std::uint32_t index, Lists& lists) {
     RayState& state = states_[index];
     const Node& node = node_at(bvh_, state.link);
-    const Spans spans = meet_boxes(state.node_constants, box_vector(state.best.last), node);
+    const Spans spans = meet_boxes<true>(state.ray, box_vector(state.best.last), node);
     const std::size_t before = state.depth;
     std::size_t depth = before;
     const std::uint32_t older = state.stack.link[before - 1];
     std::uint32_t nearest;
-    push_children<any_hit>(node, spans, state.ray.octant, state.stack, depth, nearest);
+    push_children<any_hit>(node, spans, boxes_met<true>(spans), state.ray.octant, state.stack, depth,
+                           nearest);
     state.depth = depth - 1;
     enlist(index, depth > before ? nearest : older, lists);
   }

@@ -14,6 +14,7 @@
 
 #include "math/ray_triangle.hpp"
 #include "simd/floats-inl.h"
+#include "traversal/rays/leaf_crossing-inl.h"
 #include "traversal/rays/prepared_ray.hpp"
 #include "traversal/rays/wide_ray-inl.h"
 
@@ -73,43 +74,15 @@ struct Nearest {
   explicit Nearest(float t_max = 0.0f) : first(t_max), last(t_max) {}
 };
 
-// What follows is out of line, with nothing by reference that is in registers otherwise.
-HWY_NOINLINE HWY_ATTR RayCrossing hit_exactly(const WideBvh& bvh, ChildLink leaf, std::uint32_t i,
-                                              const Ray& ray) {
-  const Triangle triangle = triangle_in(bvh, leaf, i);
-  const CrossingEstimate estimate = estimate_crossing(ray.origin, ray.direction, triangle);
-  if (estimate.steep() && estimate.precise()) return estimate.crossing(estimate.height);
-  const RayShear shear(ray.direction);
-  Hit hit;
-  const float infinity = std::numeric_limits<float>::infinity();
-  if (!intersect_triangle(shear, ray.origin, ray.direction, triangle, -infinity, infinity, hit))
-    return {infinity, 0.0f, 0.0f};
-  return {hit.t, hit.u, hit.v};
-}
-
-// t, u and v of triangle `i` of a leaf. In line where double precision suffices, so that they stay in
-// registers: three floats that a call returns go through memory, where the caller has to wait for them.
-HWY_INLINE RayCrossing hit_in_leaf(const WideBvh& bvh, ChildLink leaf, std::uint32_t i, const Ray& ray) {
-  const CrossingEstimate estimate = estimate_crossing(ray.origin, ray.direction, triangle_in(bvh, leaf, i));
-  const double t = estimate.height / estimate.slope, u = estimate.u / estimate.slope,
-               v = estimate.v / estimate.slope;
-  // No number that `round_crossing` would change. As numbers, so that the compiler makes one branch of all.
-  const auto is = [](bool holds) { return static_cast<unsigned>(holds); };
-  const unsigned plain = is(std::abs(t) >= 0x1p-126) & is(std::abs(t) < 0x1p127) & is(u >= 0.0) &
-                         is(v >= 0.0) & is(u + v <= 1.0);
-  if (HWY_LIKELY((plain & is(estimate.steep()) & is(estimate.precise())) != 0))
-    return {static_cast<float>(t), static_cast<float>(u), static_cast<float>(v)};
-  return hit_exactly(bvh, leaf, i, ray);
-}
-
 HWY_INLINE Hit settled_hit(const WideBvh& bvh, const Ray& ray, const Nearest& nearest) {
   if (nearest.primitive == invalid_id) return Hit{};
   const RayCrossing crossing = hit_in_leaf(bvh, ChildLink(nearest.link), nearest.lane, ray);
   return {.t = crossing.t, .u = crossing.u, .v = crossing.v, .primitive = nearest.primitive};
 }
 
-// Triangle `i`, whose t may be less than that of `best` or not, or may lie before `t_min` or not. Of equal
-// ones the triangle with the lowest number is nearer. `filter` is asked last.
+// Out of line, with nothing by reference that is in registers otherwise: triangle `i`, whose t may be less
+// than that of `best` or not, or may lie before `t_min` or not. Of equal ones the triangle with the lowest
+// number is nearer. `filter` is asked last.
 template <class Filter>
 HWY_NOINLINE HWY_ATTR Nearest nearer_of(const WideBvh& bvh, ChildLink leaf, std::uint32_t i, const Ray& ray,
                                         float t_min, const Filter& filter, Nearest best) {
@@ -145,13 +118,22 @@ HWY_NOINLINE HWY_ATTR Nearest intersect_one_by_one(const WideBvh& bvh, ChildLink
 }
 
 // An edge function a * b - c * d: its value as it is computed, and what it lies between.
+#if HWY_NATIVE_FMA
 struct Edges {
-  LeafFloats value, low, high;
+  LeafFloats value;
+  HWY_INLINE LeafFloats low() const { return value; }
+  HWY_INLINE LeafFloats high() const { return value; }
 };
+#else
+struct Edges {
+  LeafFloats value, least, greatest;
+  HWY_INLINE LeafFloats low() const { return least; }
+  HWY_INLINE LeafFloats high() const { return greatest; }
+};
+#endif
 HWY_INLINE Edges edges(const LeafFloats& a, const LeafFloats& b, const LeafFloats& c, const LeafFloats& d) {
 #if HWY_NATIVE_FMA
-  const LeafFloats value = difference_of_products(a, b, c, d);
-  return {value, value, value};
+  return {difference_of_products(a, b, c, d)};
 #else
   // Without fused multiplication and addition exact ones cost ten times as much as rounded ones. These have
   // three roundings of 2^-24, and one more of the bounds themselves.
@@ -179,8 +161,8 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
   const auto greatest = [](const LeafFloats& p, const LeafFloats& q, const LeafFloats& r)
                             HWY_ATTR { return maximum(maximum(p, q), r); };
   std::uint32_t candidates = lanes_of_group(begin, count);
-  candidates &= ~(less(least(u.high, v.high, w.high), broadcast<leaf_group>(-Limits::min_sign)) &
-                  less(broadcast<leaf_group>(Limits::min_sign), greatest(u.low, v.low, w.low)));
+  candidates &= ~(less(least(u.high(), v.high(), w.high()), broadcast<leaf_group>(-Limits::min_sign)) &
+                  less(broadcast<leaf_group>(Limits::min_sign), greatest(u.low(), v.low(), w.low())));
   if (candidates == 0) return false;
 
   // What t is for the point that the weights name, and how far from it the ray may cross the plane: the
@@ -195,15 +177,15 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
   LeafFloats error = constants.error_of_mean + constants.error_of_shear * rise * absolute(inverse);
   LeafFloats doubt = broadcast<leaf_group>(0.0f);
 #if !HWY_NATIVE_FMA
-  doubt = (u.high - u.low) + (v.high - v.low) + (w.high - w.low);
+  doubt = (u.high() - u.low()) + (v.high() - v.low()) + (w.high() - w.low());
   error = error + doubt * (ab_z + ac_z) * absolute(inverse * constants.inverse_dz);
 #endif
   const LeafFloats first = t - error, last = t + error;
   const LeafFloats t_min = broadcast<leaf_group>(constants.t_min), t_max = broadcast<leaf_group>(best.last);
   const std::uint32_t after_start = less_or_equal(t_min, first);
   const std::uint32_t trusted =
-      less(constants.min_value, least(u.low, v.low, w.low)) |
-      less(greatest(u.high, v.high, w.high), broadcast<leaf_group>(0.0f) - constants.min_value);
+      less(constants.min_value, least(u.low(), v.low(), w.low())) |
+      less(greatest(u.high(), v.high(), w.high()), broadcast<leaf_group>(0.0f) - constants.min_value);
   if constexpr (any_hit && !Filter::filters) {
     if ((candidates & trusted & after_start & less_or_equal(last, t_max)) != 0) {
       best.primitive = words[9 * count];
@@ -227,6 +209,13 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
   }
   std::uint32_t near = candidates & trusted & in_range;
   if (near == 0) return changed;
+  // Candidates are known some forty cycles before their t. Most often all of them are hits, which a branch
+  // foretells: then the number of the triangle, and what is computed of it when the ray is done, need not
+  // wait for t. Compilers must not see that both are the same.
+  if (HWY_LIKELY(near == candidates)) {
+    near = candidates;
+    __asm__ volatile("" : "+r"(near));
+  }
   const std::uint32_t* ids = words + 9 * count + begin;
   alignas(32) float firsts[leaf_group], lasts[leaf_group];
   store(first, firsts);

@@ -30,17 +30,11 @@ namespace {
 // Grows all boxes by `margin` units of 2^-24 of the distance to the far side of the scene.
 HWY_INLINE void grow_boxes(WideRay& ray, float margin) {
   const float unit = ray.error / std::abs(ray.inverse_dz);
-  alignas(16) float inverse[4], enter[4], leave[4];
-  std::memcpy(inverse, &ray.inverse, sizeof inverse);
-  std::memcpy(enter, &ray.enter, sizeof enter);
-  std::memcpy(leave, &ray.leave, sizeof leave);
   for (int axis = 0; axis < 3; ++axis) {
-    const float grown = margin * unit * std::abs(inverse[axis]);
-    enter[axis] -= grown;
-    leave[axis] += grown;
+    const float grown = margin * unit * std::abs(ray.inverse[axis]);
+    ray.enter[axis] -= grown;
+    ray.leave[axis] += grown;
   }
-  std::memcpy(&ray.enter, enter, sizeof enter);
-  std::memcpy(&ray.leave, leave, sizeof leave);
 }
 
 }  // namespace
@@ -77,8 +71,8 @@ void visit(const WideBvh& bvh, const Ray& ray, float margin, void* visitor,
     bool at_leaf = true;
     while (!link.is_leaf()) {
       const Node& node = node_at(bvh, link.node());
-      const Spans spans = meet_boxes(constants, t_best, node);
-      step_next<false, false, 1>(bvh, constants, wide.octant, t_best, limit, stack, depth, nullptr);
+      const Spans spans = meet_boxes<false>(constants, t_best, node);
+      step_next<false, false, false, 1>(bvh, constants, wide.octant, t_best, limit, stack, depth, nullptr);
       const std::uint32_t met = less_or_equal(spans.first, spans.last);
       if (met == 0) {
         at_leaf = false;
@@ -89,7 +83,7 @@ void visit(const WideBvh& bvh, const Ray& ray, float margin, void* visitor,
         continue;
       }
       std::uint32_t nearest;
-      push_children<false>(node, spans, wide.octant, stack, depth, nearest);
+      push_children<false>(node, spans, met, wide.octant, stack, depth, nearest);
       --depth;
       link = ChildLink(nearest);
     }

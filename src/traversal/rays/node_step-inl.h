@@ -54,23 +54,53 @@ HWY_INLINE BoxVector box_vector(float a) {
   return hn::Set(NodeFloats::Tag(), a);
 }
 
-template <class Constants>
+// Bit i says whether the ray meets box i. `forward`: see `meet_boxes`.
+template <bool forward>
+HWY_INLINE std::uint32_t boxes_met(const Spans& spans) {
+#if KERF_FLOAT_LANES < 16
+  if constexpr (forward) {  // as integers, in one cycle in place of four
+    const NodeFloats::Tag floats;
+    const hn::RebindToSigned<NodeFloats::Tag> integers;
+    std::uint32_t missed = 0;
+    for (std::size_t i = 0; i < NodeFloats::vectors; ++i) {
+      const auto behind =
+          hn::Gt(hn::BitCast(integers, spans.first.vector[i]), hn::BitCast(integers, spans.last.vector[i]));
+      missed |= bits(floats, hn::RebindMask(floats, behind)) << (i * NodeFloats::lanes);
+    }
+    return missed ^ ((1u << node_width) - 1);
+  }
+#endif
+  return less_or_equal(spans.first, spans.last);
+}
+
+// `forward`: t_min is not negative, nor is -0. Then neither is where the ray enters a box, and a negative end
+// of its span, whatever its size, says that the box is missed.
+template <bool forward, class Constants>
 HWY_INLINE Spans meet_boxes(const Constants& ray, BoxVector t_best, const Node& node) {
   const BoxVector inverse_x = box_vector(ray.inverse[0]), inverse_y = box_vector(ray.inverse[1]),
                   inverse_z = box_vector(ray.inverse[2]);
   Spans spans;
   for (std::size_t i = 0; i < NodeFloats::vectors; ++i) {
-    const float* planes = &node.planes[0][0][0] + i * NodeFloats::lanes;
-    const auto at = [planes](std::uint32_t row)
-                        HWY_ATTR { return hn::LoadU(NodeFloats::Tag(), planes + row); };
+    const char* planes = reinterpret_cast<const char*>(&node.planes[0][0][0] + i * NodeFloats::lanes);
+    const auto at = [planes](std::size_t row) HWY_ATTR {
+      return hn::LoadU(NodeFloats::Tag(), reinterpret_cast<const float*>(planes + row));
+    };
     const BoxVector first_x = hn::MulAdd(at(ray.near[0]), inverse_x, box_vector(ray.enter[0]));
     const BoxVector first_y = hn::MulAdd(at(ray.near[1]), inverse_y, box_vector(ray.enter[1]));
     const BoxVector first_z = hn::MulAdd(at(ray.near[2]), inverse_z, box_vector(ray.enter[2]));
     const BoxVector last_x = hn::MulAdd(at(ray.far[0]), inverse_x, box_vector(ray.leave[0]));
     const BoxVector last_y = hn::MulAdd(at(ray.far[1]), inverse_y, box_vector(ray.leave[1]));
     const BoxVector last_z = hn::MulAdd(at(ray.far[2]), inverse_z, box_vector(ray.leave[2]));
-    spans.first.vector[i] = hn::Max(hn::Max(first_x, first_y), hn::Max(first_z, box_vector(ray.t_min)));
-    spans.last.vector[i] = hn::Min(hn::Min(last_x, last_y), hn::Min(last_z, t_best));
+    const BoxVector t_min = box_vector(ray.t_min);
+    if constexpr (forward) {
+      spans.first.vector[i] =
+          larger_as_bits(larger_as_bits(first_x, first_y), larger_as_bits(first_z, t_min));
+      spans.last.vector[i] =
+          smaller_as_bits(smaller_as_bits(last_x, last_y), smaller_as_bits(last_z, t_best));
+    } else {
+      spans.first.vector[i] = hn::Max(hn::Max(first_x, first_y), hn::Max(first_z, t_min));
+      spans.last.vector[i] = hn::Min(hn::Min(last_x, last_y), hn::Min(last_z, t_best));
+    }
   }
   return spans;
 }
@@ -130,19 +160,22 @@ HWY_INLINE V shuffle_words(V v, const WordShuffle& shuffle) {
 }
 #endif
 
-// Pushes the children that are met, the nearest last, and returns it in `nearest`; for `any_hit`, the last
+// Pushes the children in `met`, the nearest last, and returns it in `nearest`; for `any_hit`, the last
 // slot last, and without t. `depth` grows by their number. If that is 0, `nearest` means nothing.
 template <bool any_hit, std::size_t nodes_per_step>
-HWY_INLINE void push_children(const Node& node, const Spans& spans, std::uint32_t octant,
+HWY_INLINE void push_children(const Node& node, const Spans& spans, std::uint32_t met, std::uint32_t octant,
                               Stack<nodes_per_step>& stack, std::size_t& depth, std::uint32_t& nearest) {
-  const std::uint32_t met = less_or_equal(spans.first, spans.last);
 #if KERF_FLOAT_LANES == KERF_NODE_WIDTH && KERF_NODE_WIDTH >= 8
   const NodeFloats::Tag floats;
   const hn::RebindToUnsigned<NodeFloats::Tag> integers;
   const auto links = hn::LoadU(integers, reinterpret_cast<const std::uint32_t*>(node.children));
   const auto first = spans.first.vector[0], last = spans.last.vector[0];
   if constexpr (any_hit) {
+#if KERF_FLOAT_LANES == 8
+    hn::StoreU(compress_set(links, met), integers, stack.link + depth);
+#else
     hn::StoreU(compress(links, hn::Le(first, last)), integers, stack.link + depth);
+#endif
     nearest = node.children[31 - std::countl_zero(met | 1)].bits();
   } else {
     const auto slots = far_to_near_slots(node, octant);
@@ -197,7 +230,7 @@ HWY_INLINE void push_children(const Node& node, const Spans& spans, std::uint32_
 }
 
 // Takes up to `max_nodes` nodes off the stack and pushes their children.
-template <bool any_hit, bool counting, std::size_t max_nodes, class Stack>
+template <bool any_hit, bool counting, bool forward, std::size_t max_nodes, class Stack>
 HWY_INLINE void step_next(const WideBvh& bvh, const NodeConstants& constants, std::uint32_t octant,
                           BoxVector t_best, float best_t, Stack& stack, std::size_t& depth,
                           TraversalCounters* counters) {
@@ -207,11 +240,11 @@ HWY_INLINE void step_next(const WideBvh& bvh, const NodeConstants& constants, st
     --depth;
     if constexpr (counting) ++counters->steps;
     const Node& node = node_at(bvh, next.node());
-    const Spans spans = meet_boxes(constants, t_best, node);
-    step_next<any_hit, counting, max_nodes - 1>(bvh, constants, octant, t_best, best_t, stack, depth,
-                                                counters);
+    const Spans spans = meet_boxes<forward>(constants, t_best, node);
+    step_next<any_hit, counting, forward, max_nodes - 1>(bvh, constants, octant, t_best, best_t, stack, depth,
+                                                         counters);
     std::uint32_t nearest;
-    push_children<any_hit>(node, spans, octant, stack, depth, nearest);
+    push_children<any_hit>(node, spans, boxes_met<forward>(spans), octant, stack, depth, nearest);
   }
 }
 

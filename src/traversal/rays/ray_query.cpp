@@ -93,8 +93,8 @@ std::uint64_t repeat_node_steps(const WideBvh& bvh, const Ray& caller_ray, std::
     std::size_t depth = 1;
     std::uint32_t nearest = 0;
     __asm__ volatile("" ::: "memory");  // the node may have changed: read it again
-    push_children<false>(node_at(bvh, 0), meet_boxes(constants, t_best, node_at(bvh, 0)), ray.octant, stack,
-                         depth, nearest);
+    const Spans spans = meet_boxes<true>(constants, t_best, node_at(bvh, 0));
+    push_children<false>(node_at(bvh, 0), spans, boxes_met<true>(spans), ray.octant, stack, depth, nearest);
     sum += nearest;
   }
   return sum;

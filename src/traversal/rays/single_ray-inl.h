@@ -30,18 +30,16 @@ namespace {
 // are taken while it waits, although a hit below the nearer ones might have culled them: a few more steps in
 // less time (docs/decisions/0051, 0085).
 template <bool any_hit>
-constexpr std::size_t nodes_per_step = node_width == 16             ? 3
+constexpr std::size_t nodes_per_step = KERF_FLOAT_LANES == 16       ? 3
                                        : node_width == 8 || any_hit ? 2
                                                                     : 1;
 
-// Traces a ray that `set_up` took, from the root on.
-template <bool any_hit, bool counting, class Filter>
-HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& ray, const Filter& filter,
+// Traces a ray that `set_up` took, from the root on. `forward`: see `meet_boxes`.
+template <bool any_hit, bool counting, bool forward, class Filter>
+HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, WideRay& ray, const Filter& filter,
                      TraversalCounters* counters) {
   if (!(caller_ray.t_min <= caller_ray.t_max)) return Hit{};
   Nearest best(std::min(caller_ray.t_max, std::numeric_limits<float>::max()));
-  const NodeConstants node_constants(ray);
-  const LeafConstants leaf_constants(ray);
   BoxVector t_best = box_vector(best.last);
   Stack<nodes_per_step<any_hit>> stack;
   stack.link[0] = stack.bottom;
@@ -49,13 +47,18 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
   ChildLink link = ChildLink::node(0);
   while (true) {
     bool at_leaf = true;
+    // The ray's constants come from memory, each by a broadcast, whenever its nodes and its leaves take
+    // turns: registers do not hold both. Compilers, left alone, prepare all of them first, store them and
+    // load them.
+    __asm__ volatile("" : "+m"(ray));
+    const NodeConstants node_constants(ray);
     while (!link.is_leaf()) {
       if constexpr (counting) ++counters->steps;
       const Node& node = node_at(bvh, link.node());
-      const Spans spans = meet_boxes(node_constants, t_best, node);
-      step_next<any_hit, counting, nodes_per_step<any_hit> - 1>(bvh, node_constants, ray.octant, t_best,
-                                                                best.last, stack, depth, counters);
-      const std::uint32_t met = less_or_equal(spans.first, spans.last);
+      const Spans spans = meet_boxes<forward>(node_constants, t_best, node);
+      step_next<any_hit, counting, forward, nodes_per_step<any_hit> - 1>(
+          bvh, node_constants, ray.octant, t_best, best.last, stack, depth, counters);
+      const std::uint32_t met = boxes_met<forward>(spans);
       if (met == 0) {
         at_leaf = false;
         break;
@@ -67,7 +70,7 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
         continue;
       }
       std::uint32_t nearest;
-      push_children<any_hit>(node, spans, ray.octant, stack, depth, nearest);
+      push_children<any_hit>(node, spans, met, ray.octant, stack, depth, nearest);
       --depth;
       link = ChildLink(nearest);
     }
@@ -76,7 +79,8 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
         ++counters->leaves;
         counters->triangle_tests += link.count();
       }
-      if (intersect_leaf<any_hit>(leaf_constants, bvh, link, caller_ray, best, filter)) {
+      __asm__ volatile("" : "+m"(ray));
+      if (intersect_leaf<any_hit>(LeafConstants(ray), bvh, link, caller_ray, best, filter)) {
         if constexpr (any_hit) return Hit{.primitive = best.primitive};
         t_best = box_vector(best.last);
       }
@@ -91,12 +95,12 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, const WideRay& r
 
 // The same, compiled once for rays that take their time anyway: counted, filtered, or scaled before.
 template <bool any_hit, bool counting, class Filter>
-HWY_NOINLINE HWY_ATTR Hit trace_out_of_line(const WideBvh& bvh, const Ray& caller_ray, const WideRay& ray,
+HWY_NOINLINE HWY_ATTR Hit trace_out_of_line(const WideBvh& bvh, const Ray& caller_ray, WideRay& ray,
                                             const Filter& filter, TraversalCounters* counters) {
-  return trace<any_hit, counting>(bvh, caller_ray, ray, filter, counters);
+  return trace<any_hit, counting, false>(bvh, caller_ray, ray, filter, counters);
 }
 
-// Traces a ray that has to be scaled before.
+// Traces a ray that has to be scaled before, or that begins behind its origin.
 template <bool any_hit, bool counting, class Filter>
 HWY_NOINLINE HWY_ATTR Hit trace_prepared(const WideBvh& bvh, const Ray& ray, Filter filter,
                                          TraversalCounters* counters) {
@@ -135,11 +139,11 @@ template <bool any_hit, bool counting, class Filter = NoFilter>
 HWY_INLINE Hit trace_any_ray(const WideBvh& bvh, const Ray& ray, TraversalCounters* counters,
                              const Filter& filter = {}) {
   WideRay wide;
-  if (HWY_UNLIKELY(!set_up(ray, bvh, wide)))
+  if (HWY_UNLIKELY(std::signbit(ray.t_min) || !set_up(ray, bvh, wide)))
     return trace_prepared<any_hit, counting>(bvh, ray, filter, counters);
   if constexpr (counting || Filter::filters)
     return trace_out_of_line<any_hit, counting>(bvh, ray, wide, filter, counters);
-  return trace<any_hit, counting>(bvh, ray, wide, filter, counters);
+  return trace<any_hit, counting, true>(bvh, ray, wide, filter, counters);
 }
 
 }  // namespace

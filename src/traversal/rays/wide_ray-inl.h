@@ -32,46 +32,18 @@ namespace {
 // One number for each of as many boxes as a vector has lanes.
 using BoxVector = hn::Vec<NodeFloats::Tag>;
 
-#if KERF_FLOAT_LANES == 1
-struct Float4 {
-  float lane[4];
-};
-template <int i>
-HWY_INLINE BoxVector broadcast_lane(const Float4& v) {
-  return hn::Set(NodeFloats::Tag(), v.lane[i]);
-}
-HWY_INLINE Float4 three(const Vec3f& v) {
-  return {{v.x, v.y, v.z, 0.0f}};
-}
-#else
+#if KERF_FLOAT_LANES > 1
 using FloatTag4 = hn::FixedTag<float, 4>;
 using Float4 = hn::Vec<FloatTag4>;
-
-// Lane i in all lanes, without going through memory.
-template <int i>
-HWY_INLINE BoxVector broadcast_lane(Float4 v) {
-#if KERF_FLOAT_LANES >= 8
-  const NodeFloats::Tag tag;
-  const auto index = hn::IndicesFromVec(tag, hn::Set(hn::RebindToSigned<NodeFloats::Tag>(), i));
-  const auto eight = hn::ZeroExtendVector(FloatTag(), v);
-#if KERF_FLOAT_LANES == 16
-  return hn::TableLookupLanes(hn::ZeroExtendVector(tag, eight), index);
-#else
-  return hn::TableLookupLanes(eight, index);
-#endif
-#else
-  return hn::Broadcast<i>(v);
-#endif
-}
-HWY_INLINE Float4 three(const Vec3f& v) {
-  alignas(16) const float lanes[4] = {v.x, v.y, v.z, 0.0f};
-  return hn::Load(FloatTag4(), lanes);
-}
 #endif
 
-// The values of `RayBoxes` and `RayShear`, ready to be broadcast. Two cache lines.
+inline constexpr std::uint32_t bytes_per_row = node_width * sizeof(float);
+
+// The values of `RayBoxes` and `RayShear`, each to be broadcast from memory where it is needed. Two cache
+// lines.
 struct alignas(64) WideRay {
-  Float4 inverse, enter, leave;  // of RayBoxes, along x, y, z
+  alignas(16) float inverse[4], enter[4], leave[4];  // of RayBoxes, along x, y, z
+  std::uint32_t near[3], far[3];  // where in a node the planes of entry and of exit begin, in bytes
   float t_min = 0.0f;
   std::uint32_t octant;  // bit a: negative along axis a
 
@@ -80,6 +52,15 @@ struct alignas(64) WideRay {
   float sx, sy, dz, inverse_dz;
   float error;      // of t, for each unit of 2^-24 of the distance to the far side of the scene
   float min_value;  // of SinglePrecision; infinite where results might leave the range of a float
+
+  HWY_INLINE void set_octant(std::uint32_t bits) {
+    octant = bits;
+    for (std::uint32_t axis_of_row = 0; axis_of_row < 3; ++axis_of_row) {
+      const std::uint32_t negative = (bits >> axis_of_row) & 1;
+      near[axis_of_row] = (2 * axis_of_row + negative) * bytes_per_row;
+      far[axis_of_row] = (2 * axis_of_row + 1 - negative) * bytes_per_row;
+    }
+  }
 };
 
 // From which magnitude on an edge function is decided in single precision, for a scene whose far side lies at
@@ -107,16 +88,17 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   if (!prepared && is_far(boxes.distance, bvh)) return false;
   const RayShear shear(ray.direction);
   const int axes[3] = {shear.kx, shear.ky, shear.kz};
-  out.inverse = three(boxes.inverse);
-  out.enter = three(boxes.enter);
-  out.leave = three(boxes.leave);
   out.t_min = ray.t_min;
-  out.octant = 0;
+  std::uint32_t octant = 0;
   for (int i = 0; i < 3; ++i) {
-    out.octant |= static_cast<unsigned>(std::signbit(boxes.inverse[i])) << i;
+    out.inverse[i] = boxes.inverse[i];
+    out.enter[i] = boxes.enter[i];
+    out.leave[i] = boxes.leave[i];
+    octant |= static_cast<unsigned>(std::signbit(boxes.inverse[i])) << i;
     out.axis[i] = static_cast<std::uint32_t>(axes[i]);
     out.origin[i] = o[axes[i]];
   }
+  out.set_octant(octant);
   out.sx = shear.sx;
   out.sy = shear.sy;
   out.dz = shear.dz;
@@ -133,8 +115,9 @@ HWY_INLINE Float4 load_each(const float* floats) {
   const Float4 x = hn::Set(tag, floats[0]), y = hn::Set(tag, floats[1]), z = hn::Set(tag, floats[2]);
   return hn::ConcatLowerLower(tag, z, hn::InterleaveLower(tag, x, y));
 }
+// Of floats that are not negative.
 HWY_INLINE Float4 largest_of_three(Float4 v) {
-  return hn::Max(hn::Max(hn::Broadcast<0>(v), hn::Broadcast<1>(v)), hn::Broadcast<2>(v));
+  return larger_as_bits(larger_as_bits(hn::Broadcast<0>(v), hn::Broadcast<1>(v)), hn::Broadcast<2>(v));
 }
 HWY_INLINE std::uint32_t three_bits(hn::Mask<FloatTag4> mask) {
   return bits(FloatTag4(), mask) & 7u;
@@ -172,23 +155,25 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   if (!prepared && !(finite == 7 && length > PreparedRay::shortest && length < PreparedRay::longest))
     return false;
 
-  const Float4 distance = largest_of_three(hn::Max(hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.lower.x))),
-                                                   hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.upper.x)))));
+  const Float4 distance =
+      largest_of_three(larger_as_bits(hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.lower.x))),
+                                      hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.upper.x)))));
   if (!prepared && HWY_UNLIKELY(is_far(hn::GetLane(distance), bvh))) return false;
   const Float4 margin = boxes_margin(tag, distance, bvh);
   const Float4 positive =
-      hn::Div(hn::Set(tag, 1.0f), hn::Max(absolute, hn::Mul(largest, hn::Set(tag, 0x1p-26f))));
+      hn::Div(hn::Set(tag, 1.0f), larger_as_bits(absolute, hn::Mul(largest, hn::Set(tag, 0x1p-26f))));
   const Float4 inverse = hn::CopySign(positive, d);
   const Float4 product = hn::Mul(o, inverse), grown = hn::Mul(margin, positive);
-  out.inverse = inverse;
-  out.enter = hn::Sub(hn::Neg(product), grown);
-  out.leave = hn::Sub(grown, product);
+  hn::Store(inverse, tag, out.inverse);
+  hn::Store(hn::Sub(hn::Neg(product), grown), tag, out.enter);
+  hn::Store(hn::Sub(grown, product), tag, out.leave);
   out.t_min = ray.t_min;
   const hn::RebindToSigned<FloatTag4> integers;
-  out.octant = three_bits(hn::MaskFromVec(hn::BitCast(tag, hn::BroadcastSignBit(hn::BitCast(integers, d)))));
+  out.set_octant(
+      three_bits(hn::MaskFromVec(hn::BitCast(tag, hn::BroadcastSignBit(hn::BitCast(integers, d))))));
 
   const auto kz = static_cast<std::uint32_t>(std::bit_width(three_bits(hn::Eq(absolute, largest)))) - 1;
-  const ShearAxes axes = shear_axes[kz][(out.octant >> kz) & 1];
+  const ShearAxes& axes = shear_axes[kz][(out.octant >> kz) & 1];
   for (int i = 0; i < 3; ++i) {
     out.axis[i] = axes.axis[i];
     out.origin[i] = origin[axes.axis[i]];
@@ -203,48 +188,20 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
 }
 #endif
 
-// What a node step reads at every node.
+// What a node step reads at every node, in registers. `WideRay` itself may stand in for it where a ray has a
+// step only now and then.
 struct NodeConstants {
   BoxVector inverse[3], enter[3], leave[3], t_min;
-  std::uint32_t near[3], far[3];  // where in a node the planes of entry and of exit begin, in floats
+  std::size_t near[3], far[3];
 
   HWY_INLINE explicit NodeConstants(const WideRay& ray) : t_min(hn::Set(NodeFloats::Tag(), ray.t_min)) {
-    for (std::uint32_t axis = 0; axis < 3; ++axis) {
-      const std::uint32_t negative = (ray.octant >> axis) & 1;
-      near[axis] = (2 * axis + negative) * node_width;
-      far[axis] = (2 * axis + 1 - negative) * node_width;
-    }
-    inverse[0] = broadcast_lane<0>(ray.inverse);
-    inverse[1] = broadcast_lane<1>(ray.inverse);
-    inverse[2] = broadcast_lane<2>(ray.inverse);
-    enter[0] = broadcast_lane<0>(ray.enter);
-    enter[1] = broadcast_lane<1>(ray.enter);
-    enter[2] = broadcast_lane<2>(ray.enter);
-    leave[0] = broadcast_lane<0>(ray.leave);
-    leave[1] = broadcast_lane<1>(ray.leave);
-    leave[2] = broadcast_lane<2>(ray.leave);
-  }
-};
-
-// The same, read from memory at each step: for interleaved rays, each of which has a step only now and then.
-struct StoredNodeConstants {
-  float inverse[3], enter[3], leave[3], t_min;
-  std::uint32_t near[3], far[3];
-
-  HWY_INLINE void set(const WideRay& ray) {
-    alignas(16) float lanes[4];
-    const auto copy = [&lanes](const Float4& v, float* to) HWY_ATTR {
-      std::memcpy(lanes, &v, sizeof(lanes));
-      std::copy_n(lanes, 3, to);
-    };
-    copy(ray.inverse, inverse);
-    copy(ray.enter, enter);
-    copy(ray.leave, leave);
-    t_min = ray.t_min;
-    for (std::uint32_t axis = 0; axis < 3; ++axis) {
-      const std::uint32_t negative = (ray.octant >> axis) & 1;
-      near[axis] = (2 * axis + negative) * node_width;
-      far[axis] = (2 * axis + 1 - negative) * node_width;
+    const NodeFloats::Tag tag;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      inverse[axis] = hn::Set(tag, ray.inverse[axis]);
+      enter[axis] = hn::Set(tag, ray.enter[axis]);
+      leave[axis] = hn::Set(tag, ray.leave[axis]);
+      near[axis] = ray.near[axis];
+      far[axis] = ray.far[axis];
     }
   }
 };
