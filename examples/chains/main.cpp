@@ -39,15 +39,6 @@ kerf::Scene hang_chains(const kerf::Scene& chain, unsigned count, double time) {
   return kerf::build(chains);
 }
 
-Vec3f moved(const kerf::Transform& transform, const Vec3f& p) {
-  Vec3f to;
-  for (int i = 0; i < 3; ++i) {
-    const double(&row)[4] = transform.rows[i];
-    to[i] = static_cast<float>(row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3]);
-  }
-  return to;
-}
-
 }  // namespace
 
 int main() {
@@ -72,16 +63,9 @@ int main() {
         }
         // From the outside to the inside: the chain, then the ring.
         const auto path = curtain.path(hit->instance);
-        const kerf::Instance &in_curtain = curtain.instances()[path[0]],
-                             &in_chain = in_curtain.scene.instances()[path[1]];
-        const auto corners = in_chain.object.triangle({hit->primitive, hit->mesh});
-        if (!corners) return 1;
-        const auto at = [&](const Vec3f& p) {
-          return moved(in_curtain.transform, moved(in_chain.transform, p));
-        };
-        const Vec3f a = at(corners->v0);
-        Vec3f normal = unit(cross(at(corners->v1) - a, at(corners->v2) - a));
-        if (dot(normal, ray.direction) > 0.0f) normal = -1.0f * normal;
+        const kerf::Instance& in_chain = curtain.instances()[path[0]].scene.instances()[path[1]];
+        const kerf::HitGeometry at = curtain.geometry(ray, *hit);
+        const Vec3f normal = at.front ? at.normal : -1.0f * at.normal;
         const Vec3f from = ray.origin + hit->t * ray.direction + 1e-3f * normal;
         const bool dark = curtain.occluded({.origin = from, .direction = sun});
         ++(dark ? shadowed : lit);

@@ -51,15 +51,6 @@ std::vector<shapes::Point> bent(const shapes::Mesh& ring, double time) {
   return corners;
 }
 
-Vec3f moved(const kerf::Transform& transform, const Vec3f& p) {
-  Vec3f to;
-  for (int i = 0; i < 3; ++i) {
-    const double(&row)[4] = transform.rows[i];
-    to[i] = static_cast<float>(row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3]);
-  }
-  return to;
-}
-
 // How many dominoes touch another one.
 std::size_t count_touching(const kerf::Scene& scene) {
   std::set<std::uint32_t> touching;
@@ -84,11 +75,8 @@ void draw(const kerf::Scene& scene, Picture& picture, std::size_t left, std::siz
         continue;
       }
       const kerf::Instance& instance = scene.instances()[hit->instance];
-      const auto corners = instance.object.triangle({hit->primitive, hit->mesh});
-      const Vec3f a = moved(instance.transform, corners->v0);
-      Vec3f normal =
-          unit(cross(moved(instance.transform, corners->v1) - a, moved(instance.transform, corners->v2) - a));
-      if (dot(normal, ray.direction) > 0.0f) normal = -1.0f * normal;
+      const kerf::HitGeometry at = scene.geometry(ray, *hit);
+      const Vec3f normal = at.front ? at.normal : -1.0f * at.normal;
       const Vec3f from = ray.origin + hit->t * ray.direction + 1e-3f * normal;
       const bool dark = scene.occluded({.origin = from, .direction = sun});
       const float light = 0.18f + (dark ? 0.0f : 0.7f * std::max(0.0f, dot(normal, sun)));

@@ -18,6 +18,7 @@
 #include <kerf/file_name.hpp>
 #include <kerf/query.hpp>
 #include <kerf/ray.hpp>
+#include <kerf/triangle.hpp>
 #include <kerf/vec.hpp>
 
 namespace kerf {
@@ -274,6 +275,16 @@ class KERF_API Scene {
   /// All pairs of triangles of two instances of this scene that have a point in common, the lower instance
   /// first. Pairs within an instance are left to `Bvh::touching_pairs`.
   std::vector<SceneTouchingPair> touching_pairs(const BatchOptions& options = {}) const;
+
+  /// A triangle by its corners in the scene, moved as by `triangles_in`; nothing if it is in no leaf, because
+  /// it has no area, or does not exist. As `Bvh::triangle`, which is called for the object.
+  std::optional<Triangle> triangle(const ScenePrimitiveId& id) const;
+
+  /// What `ray` meets at `hit`, which a call of this scene gave for it: the triangle as it stands in the
+  /// scene, and its normal there, also under scale and shear; a mirrored object has its front where the moved
+  /// corners run counter-clockwise. Throws `Error::invalid_argument` for a hit of no triangle; as `triangle`
+  /// otherwise.
+  HitGeometry geometry(const Ray& ray, const SceneHit& hit) const;
 
   /// Writes the scene to a file (docs/file-format.md): each hierarchy once, however often it stands in the
   /// scene or in scenes there. The rest is as by `Bvh::save`. Throws `Error::io`, `out_of_memory`, or

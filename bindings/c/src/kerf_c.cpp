@@ -391,6 +391,12 @@ kerf::PointView to_view(const kerf_points* given) {
       kerf::TripleView<float>(points.data, points.count, points.stride != 0 ? points.stride : 12));
 }
 
+void write_geometry(const kerf::HitGeometry& found, kerf_hit_geometry& to) {
+  std::memcpy(&to.triangle, &found.triangle, sizeof found.triangle);
+  std::memcpy(to.normal, &found.normal, sizeof found.normal);
+  to.front = found.front;
+}
+
 template <class T>
 std::span<T> answers(T* data, std::size_t count) {
   if (count != 0) require(data);
@@ -647,10 +653,7 @@ kerf_status kerf_get_geometry(const kerf_bvh* bvh, const kerf_ray* ray, const ke
                               kerf_hit_geometry* geometry) {
   return guarded([&] {
     require(bvh, ray, hit, geometry);
-    const kerf::HitGeometry found = bvh->bvh.geometry(to_ray(*ray), *as<const kerf::Hit>(hit));
-    std::memcpy(&geometry->triangle, &found.triangle, sizeof found.triangle);
-    std::memcpy(geometry->normal, &found.normal, sizeof found.normal);
-    geometry->front = found.front;
+    write_geometry(bvh->bvh.geometry(to_ray(*ray), *as<const kerf::Hit>(hit)), *geometry);
   });
 }
 
@@ -1009,6 +1012,23 @@ kerf_status kerf_scene_triangles_in(const kerf_scene* scene, const kerf_box* box
   return guarded([&] {
     require(scene, box, count);
     hand_out(scene->scene.triangles_in(std::bit_cast<kerf::Box3f>(*box)), ids, capacity, count);
+  });
+}
+kerf_status kerf_scene_get_triangle(const kerf_scene* scene, kerf_scene_primitive_id id,
+                                    kerf_triangle* triangle, int* found) {
+  return guarded([&] {
+    require(scene, triangle, found);
+    const std::optional<kerf::Triangle> corners =
+        scene->scene.triangle(std::bit_cast<kerf::ScenePrimitiveId>(id));
+    *found = corners.has_value();
+    if (corners) std::memcpy(triangle, &*corners, sizeof *triangle);
+  });
+}
+kerf_status kerf_scene_get_geometry(const kerf_scene* scene, const kerf_ray* ray, const kerf_scene_hit* hit,
+                                    kerf_hit_geometry* geometry) {
+  return guarded([&] {
+    require(scene, ray, hit, geometry);
+    write_geometry(scene->scene.geometry(to_ray(*ray), *as<const kerf::SceneHit>(hit)), *geometry);
   });
 }
 kerf_status kerf_scene_touching_pairs(const kerf_scene* scene, const kerf_scene* other,

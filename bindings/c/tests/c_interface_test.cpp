@@ -465,6 +465,23 @@ TEST_F(CScene, OneRayAndOnePointAreAnsweredAsInCpp) {
     int occluded;
     ASSERT_EQ(kerf_scene_occluded_masked(both, &from, 2, &occluded), KERF_OK);
     ASSERT_EQ(occluded != 0, found.instance != KERF_INVALID_ID);
+    if (hit) {
+      const auto first = std::bit_cast<kerf_scene_hit>(hit);
+      kerf_hit_geometry geometry;
+      ASSERT_EQ(kerf_scene_get_geometry(both, &from, &first, &geometry), KERF_OK);
+      const kerf::HitGeometry in_cpp = cpp.geometry(to, hit);
+      ASSERT_EQ(as<kerf::Triangle>(geometry.triangle), in_cpp.triangle);
+      ASSERT_EQ(geometry.normal[1], in_cpp.normal.y);
+      ASSERT_EQ(geometry.front != 0, in_cpp.front);
+      kerf_triangle triangle;
+      int is_there;
+      ASSERT_EQ(kerf_scene_get_triangle(both, {hit.primitive, hit.mesh, hit.instance}, &triangle, &is_there),
+                KERF_OK);
+      ASSERT_EQ(as<kerf::Triangle>(triangle), in_cpp.triangle);
+      ASSERT_EQ(kerf_scene_get_triangle(both, {hit.primitive, 7, hit.instance}, &triangle, &is_there),
+                KERF_OK);
+      ASSERT_EQ(is_there, 0);
+    }
     const auto odd = [](void*, const kerf_scene_hit* each) {
       return static_cast<int>((each->primitive + each->instance) % 2);
     };

@@ -537,6 +537,11 @@ KERF_C_API kerf_status kerf_scene_within(const kerf_scene* scene, const float po
  * whose corners are moved to the scene in double precision and rounded to floats once. */
 KERF_C_API kerf_status kerf_scene_triangles_in(const kerf_scene* scene, const kerf_box* box,
                                                kerf_scene_primitive_id* ids, size_t capacity, size_t* count);
+/* As `kerf_get_triangle` and `kerf_get_geometry`, in the coordinates of the scene. */
+KERF_C_API kerf_status kerf_scene_get_triangle(const kerf_scene* scene, kerf_scene_primitive_id id,
+                                               kerf_triangle* triangle, int* found);
+KERF_C_API kerf_status kerf_scene_get_geometry(const kerf_scene* scene, const kerf_ray* ray,
+                                               const kerf_scene_hit* hit, kerf_hit_geometry* geometry);
 /* All pairs of a triangle of `scene` and one of `other`, moved by `transform` (null: not at all); each once
  * for each pair of instances, in the order of (instance, mesh, primitive) of the first, then of the second.
  * Exact as `kerf_touching_pairs` is, for corners of the second that are moved to the space of the first one's
