@@ -7,7 +7,7 @@
 namespace kerf {
 
 /// A view of a file's name: of a `std::filesystem::path`, a `std::string`, a `std::string_view` or a C
-/// string. <filesystem> itself is not included, because it takes longer to compile than all of kerf's
+/// string. The header of paths is not included, because it takes longer to compile than all of kerf's
 /// headers. Bytes are taken as `std::filesystem::path` takes them. Nothing is copied: it stands for the
 /// argument of a call.
 class FileName {
