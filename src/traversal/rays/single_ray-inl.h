@@ -28,11 +28,8 @@ namespace {
 
 // A node step mostly waits for the one before it. Where several nodes lie on top of the stack, their steps
 // are taken while it waits, although a hit below the nearer ones might have culled them: a few more steps in
-// less time (docs/decisions/0051, 0085).
-template <bool any_hit>
-constexpr std::size_t nodes_per_step = KERF_FLOAT_LANES == 16       ? 3
-                                       : node_width == 8 || any_hit ? 2
-                                                                    : 1;
+// less time (docs/decisions/0051, 0085, 0109).
+constexpr std::size_t nodes_per_step = KERF_FLOAT_LANES == 8 ? 2 : 3;
 
 // Traces a ray that `set_up` took, from the root on. `forward`: see `meet_boxes`.
 template <bool any_hit, bool counting, bool forward, class Filter>
@@ -41,7 +38,7 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, WideRay& ray, co
   if (!(caller_ray.t_min <= caller_ray.t_max)) return Hit{};
   Nearest best(std::min(caller_ray.t_max, std::numeric_limits<float>::max()));
   BoxVector t_best = box_vector(best.last);
-  Stack<nodes_per_step<any_hit>> stack;
+  Stack<nodes_per_step> stack;
   stack.link[0] = stack.bottom;
   std::size_t depth = 1;
   ChildLink link = ChildLink::node(0);
@@ -56,8 +53,8 @@ HWY_INLINE Hit trace(const WideBvh& bvh, const Ray& caller_ray, WideRay& ray, co
       if constexpr (counting) ++counters->steps;
       const Node& node = node_at(bvh, link.node());
       const Spans spans = meet_boxes<forward>(node_constants, t_best, node);
-      step_next<any_hit, counting, forward, nodes_per_step<any_hit> - 1>(
-          bvh, node_constants, ray.octant, t_best, best.last, stack, depth, counters);
+      step_next<any_hit, counting, forward, nodes_per_step - 1>(bvh, node_constants, ray.octant, t_best,
+                                                                best.last, stack, depth, counters);
       const std::uint32_t met = boxes_met<forward>(spans);
       if (met == 0) {
         at_leaf = false;
