@@ -82,6 +82,16 @@ inline Polygon clip(const Polygon& polygon, int axis, double position, double si
   return part;
 }
 
+/// Whether all of it lies inside `box`, borders included: it is then its own part there.
+inline bool is_inside(const Polygon& polygon, const Box3f& box) {
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(polygon.at(i, axis) >= box.lower[axis] && polygon.at(i, axis) <= box.upper[axis])) return false;
+    }
+  }
+  return true;
+}
+
 /// The part inside `box`, borders included.
 inline Polygon clip(Polygon polygon, const Box3f& box) {
   for (int axis = 0; axis < 3; ++axis) {

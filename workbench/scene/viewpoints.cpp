@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <kerf/build.hpp>
+#include <kerf/inspect.hpp>
 
 #include "workbench/base/vectors.hpp"
 #include "workbench/sampling/angles.hpp"
@@ -16,6 +17,10 @@ using namespace kerf;
 
 /// So many triangles distinguish open places from closed ones, and the hierarchy over them is built quickly.
 constexpr std::size_t sample_size = 100'000;
+
+/// Where so much lies over one another that the rays would test more triangles than this, in half a second, a
+/// tenth of the sample distinguishes them as well.
+constexpr std::size_t max_tests = 10'000'000;
 
 /// Of scenes of many places so many triangles stand for all of them where views are sought.
 constexpr std::size_t shape_size = 4'000'000;
@@ -43,9 +48,9 @@ Box3f bounds_of(const TriangleMesh& mesh) {
   return bounds;
 }
 
-TriangleMesh sample_of(const TriangleMesh& mesh) {
+TriangleMesh sample_of(const TriangleMesh& mesh, std::size_t size) {
   TriangleMesh sample = mesh;
-  const std::size_t step = 1 + (mesh.triangles.size() - 1) / sample_size;
+  const std::size_t step = 1 + (mesh.triangles.size() - 1) / size;
   sample.triangles = {mesh.triangles.data(), (mesh.triangles.size() + step - 1) / step,
                       step * mesh.triangles.stride()};
   return sample;
@@ -53,9 +58,9 @@ TriangleMesh sample_of(const TriangleMesh& mesh) {
 
 // The distance of the hit of `ray`, or 0 if there is none. A hit on the back of a surface counts for little:
 // a place from which many backs are visible lies in a solid.
-float visible_distance(const TriangleMesh& sample, const Bvh& bvh, const Ray& ray) {
+float visible_distance(const TriangleMesh& sample, const Bvh& bvh, const Ray& ray, TraversalCounters& work) {
   constexpr float weight_of_backs = 0.1f;
-  const auto hit = bvh.intersect(ray);
+  const auto hit = intersect(bvh, ray, work);
   if (!hit) return 0.0f;
   const auto [a, b, c] = sample.triangles[hit->primitive].values;
   const Vec3f v0 = vertex(sample, a), normal = cross(vertex(sample, b) - v0, vertex(sample, c) - v0);
@@ -63,14 +68,15 @@ float visible_distance(const TriangleMesh& sample, const Bvh& bvh, const Ray& ra
 }
 
 // Chooses the direction in which the contents of a whole picture are farthest away, but not missing.
-Candidate look_around(const TriangleMesh& sample, const Bvh& bvh, const Vec3f& position, float diagonal) {
+Candidate look_around(const TriangleMesh& sample, const Bvh& bvh, const Vec3f& position, float diagonal,
+                      TraversalCounters& work) {
   std::array<float, directions> far{};
   float nearest = diagonal;
   for (int i = 0; i < directions; ++i) {
     const auto [sine, cosine] = sine_cosine(static_cast<double>(i) / directions);
     for (const float slope : slopes) {
-      const float t =
-          visible_distance(sample, bvh, {.origin = position, .direction = normalize({cosine, slope, sine})});
+      const float t = visible_distance(
+          sample, bvh, {.origin = position, .direction = normalize({cosine, slope, sine})}, work);
       far[static_cast<std::size_t>(i)] += t;
       if (t > 0.0f) nearest = std::min(nearest, t);
     }
@@ -92,8 +98,10 @@ Candidate look_around(const TriangleMesh& sample, const Bvh& bvh, const Vec3f& p
   return best;
 }
 
-std::vector<Viewpoint> choose_inside(const TriangleMesh& mesh, const Box3f& bounds, float diagonal) {
-  const TriangleMesh sample = sample_of(mesh);
+std::vector<Viewpoint> choose_inside(const TriangleMesh& mesh, const Box3f& bounds, float diagonal,
+                                     std::size_t size = sample_size) {
+  const TriangleMesh sample = sample_of(mesh, size);
+  TraversalCounters work;
   const Bvh bvh = build(sample, {.builder = Builder::bvh, .progress = {}});
   std::vector<Candidate> candidates;
   for (const float y : {0.25f, 0.5f, 0.7f}) {
@@ -101,7 +109,9 @@ std::vector<Viewpoint> choose_inside(const TriangleMesh& mesh, const Box3f& boun
       for (const float z : {0.12f, 0.3f, 0.5f, 0.7f, 0.88f}) {
         const Vec3f e = extent(bounds);
         candidates.push_back(
-            look_around(sample, bvh, bounds.lower + Vec3f{x * e.x, y * e.y, z * e.z}, diagonal));
+            look_around(sample, bvh, bounds.lower + Vec3f{x * e.x, y * e.y, z * e.z}, diagonal, work));
+        if (work.triangle_tests > max_tests && size > 1)
+          return choose_inside(mesh, bounds, diagonal, size / 10);
       }
     }
   }

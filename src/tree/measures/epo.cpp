@@ -131,7 +131,7 @@ class Overlap {
       for (std::uint32_t n = owners_.leaves[i]; stamps[n] != stamp; n = owners_.parent[n]) stamps[n] = stamp;
     }
     const Polygon polygon(geometry_.triangle(id));
-    const double surface = polygon.area(), overlap = below(0, polygon, stamp, stamps, sums.visits);
+    const double surface = polygon.area(), overlap = below(0, polygon, surface, stamp, stamps, sums.visits);
     sums.surface = surface;
     sums.overlap = overlap;
     sums.surface_squares = surface * surface;
@@ -140,18 +140,25 @@ class Overlap {
     return sums;
   }
 
-  double below(std::uint32_t index, const Polygon& whole, std::uint32_t stamp, const Stamps& stamps,
-               std::uint64_t& visits) const {
+  double below(std::uint32_t index, const Polygon& whole, double whole_area, std::uint32_t stamp,
+               const Stamps& stamps, std::uint64_t& visits) const {
     ++visits;
     const BinaryNode& node = tree_.nodes[index];
+    if (is_inside(whole, node.bounds)) return inside(index, whole, whole_area, stamp, stamps, visits);
     const Polygon part = clip(whole, node.bounds);
-    const double area = part.area();
+    return inside(index, part, part.area(), stamp, stamps, visits);
+  }
+
+  // The same for the part that lies in the node's box.
+  double inside(std::uint32_t index, const Polygon& part, double area, std::uint32_t stamp,
+                const Stamps& stamps, std::uint64_t& visits) const {
     if (area == 0.0) return 0.0;
+    const BinaryNode& node = tree_.nodes[index];
     const double cost = node.is_leaf() ? triangle_cost * node.count : inner_node_cost;
     double overlap = stamps[index] == stamp ? 0.0 : cost * area;
     if (!node.is_leaf()) {
-      overlap +=
-          below(node.left(), part, stamp, stamps, visits) + below(node.right(), part, stamp, stamps, visits);
+      overlap += below(node.left(), part, area, stamp, stamps, visits) +
+                 below(node.right(), part, area, stamp, stamps, visits);
     }
     return overlap;
   }
