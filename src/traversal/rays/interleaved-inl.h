@@ -90,7 +90,7 @@ class Interleaved {
     while (next_ < count_) {
       const std::uint32_t i = which_[next_++];
       const Ray& ray = rays_[i];
-      if (HWY_UNLIKELY(std::signbit(ray.t_min) || !set_up(ray, bvh_, state.ray))) {
+      if (HWY_UNLIKELY(!set_up_forward(ray, bvh_, state.ray))) {
         finish(i, scale(ray));
         continue;
       }

@@ -8,6 +8,7 @@
 #define KERF_TRAVERSAL_RAYS_LEAF_TEST_INL_H
 #endif
 
+#include <algorithm>
 #include <bit>
 
 #include <hwy/highway.h>

@@ -136,7 +136,7 @@ template <bool any_hit, bool counting, class Filter = NoFilter>
 HWY_INLINE Hit trace_any_ray(const WideBvh& bvh, const Ray& ray, TraversalCounters* counters,
                              const Filter& filter = {}) {
   WideRay wide;
-  if (HWY_UNLIKELY(std::signbit(ray.t_min) || !set_up(ray, bvh, wide)))
+  if (HWY_UNLIKELY(!set_up_forward(ray, bvh, wide)))
     return trace_prepared<any_hit, counting>(bvh, ray, filter, counters);
   if constexpr (counting || Filter::filters)
     return trace_out_of_line<any_hit, counting>(bvh, ray, wide, filter, counters);

@@ -8,10 +8,10 @@
 #define KERF_TRAVERSAL_RAYS_WIDE_RAY_INL_H
 #endif
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include <hwy/highway.h>
@@ -187,6 +187,12 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   return true;
 }
 #endif
+
+// The same for a ray of which `meet_boxes` may compare numbers as integers: t_min must not be negative, nor
+// -0.
+HWY_INLINE bool set_up_forward(const Ray& ray, const WideBvh& bvh, WideRay& out) {
+  return !std::signbit(ray.t_min) && set_up(ray, bvh, out);
+}
 
 // What a node step reads at every node, in registers. `WideRay` itself may stand in for it where a ray has a
 // step only now and then.
