@@ -47,7 +47,7 @@ struct Structure {
   std::shared_ptr<const RefitBasis> refit_basis;  ///< made by the first refit
   std::vector<StandIn> stand_ins;                 ///< in leaves since the last one
 
-  static const Structure& of(const Bvh& bvh) { return *bvh.structure_; }
+  static const Structure& of(const Bvh& bvh) { return *SharedPointer<Structure>::in(bvh.structure_); }
   static std::shared_ptr<const Structure>& pointer_of(Bvh& bvh) {
     return SharedPointer<Structure>::in(bvh.structure_);
   }

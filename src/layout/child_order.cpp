@@ -15,9 +15,9 @@ Prospect prospect_of_leaf(std::uint32_t triangles) {
 }
 
 template <std::uint32_t width>
-Prospect arrange(Target target, const BinaryTree& tree, const Collapse::Children& children,
+Prospect arrange(Target target, std::span<const BinaryNode* const> children,
                  const std::array<Prospect, max_node_width>& prospects, WideNode<width>& node) {
-  const std::uint32_t count = children.count;
+  const auto count = static_cast<std::uint32_t>(children.size());
   // The slot of a child is the number of children before it. Compilers vectorise loops over all slots.
   std::array<float, width> value;
   std::array<std::uint32_t, width> slots{}, from;
@@ -35,7 +35,7 @@ Prospect arrange(Target target, const BinaryTree& tree, const Collapse::Children
   std::array<ChildLink, width> links;
   Box3f bounds;
   for (std::uint32_t slot = 0; slot < count; ++slot) {
-    binaries[slot] = &tree.nodes[children.node[from[slot]]];
+    binaries[slot] = children[from[slot]];
     bounds = merge(bounds, binaries[slot]->bounds);
     links[slot] = node.children[from[slot]];
   }
@@ -53,11 +53,11 @@ Prospect arrange(Target target, const BinaryTree& tree, const Collapse::Children
   return {1.0f - miss, steps};
 }
 
-template Prospect arrange(Target, const BinaryTree&, const Collapse::Children&,
+template Prospect arrange(Target, std::span<const BinaryNode* const>,
                           const std::array<Prospect, max_node_width>&, WideNode<16>&);
-template Prospect arrange(Target, const BinaryTree&, const Collapse::Children&,
+template Prospect arrange(Target, std::span<const BinaryNode* const>,
                           const std::array<Prospect, max_node_width>&, WideNode<8>&);
-template Prospect arrange(Target, const BinaryTree&, const Collapse::Children&,
+template Prospect arrange(Target, std::span<const BinaryNode* const>,
                           const std::array<Prospect, max_node_width>&, WideNode<4>&);
 
 }  // namespace kerf

@@ -158,6 +158,12 @@ std::uint64_t share_bits(std::uint32_t i, std::int32_t share) {
 
 }  // namespace
 
+Distribute& distribute(std::uint32_t width, Target target) {
+  return width == 16  ? KERF_DISPATCH(distribute_16, target)
+         : width == 8 ? KERF_DISPATCH(distribute_8, target)
+                      : KERF_DISPATCH(distribute_4, target);
+}
+
 // C(n, i) for i = 1 .. w - 1, and what else a parent needs to know.
 struct Collapse::Costs {
   float of[max_node_width];  // the last is not used
@@ -168,9 +174,7 @@ struct Collapse::Costs {
 Collapse::Collapse(const BinaryTree& tree, std::uint32_t width, const CollapseCosts& costs, Target target)
     : tree_(&tree),
       costs_(costs),
-      distribute_(width == 16  ? KERF_DISPATCH(distribute_16, target)
-                  : width == 8 ? KERF_DISPATCH(distribute_8, target)
-                               : KERF_DISPATCH(distribute_4, target)),
+      distribute_(distribute(width, target)),
       width_(width),
       decisions_(tree.nodes.size()) {
   if (tree.empty()) return;

@@ -27,6 +27,10 @@ struct Distribution {
   alignas(64) std::int32_t left_share[max_node_width];
 };
 
+/// Computes `to` of the costs of both children; k is at most `max_share`.
+using Distribute = void(const float* left, std::int32_t max_share, const float* right, Distribution& to);
+Distribute& distribute(std::uint32_t width, Target target);
+
 /// The cost-optimal way to cut a binary tree into nodes of up to w children (Ylitie, Karras & Laine
 /// 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3).
 ///
@@ -96,7 +100,7 @@ class Collapse {
 
   const BinaryTree* tree_;
   CollapseCosts costs_;
-  void (*distribute_)(const float* left, std::int32_t max_share, const float* right, Distribution& to);
+  Distribute& distribute_;
   std::uint32_t width_;
   UninitializedVector<std::uint64_t> decisions_;
 };

@@ -8,8 +8,8 @@
 #include "base/fp_environment.hpp"
 #include "base/out_of_memory.hpp"
 #include "base/raise.hpp"
-#include "math/placement.hpp"
 #include "scene/chain.hpp"
+#include "scene/placement.hpp"
 #include "scene/places.hpp"
 
 namespace kerf {
@@ -28,7 +28,7 @@ bool visit_instance(const SceneStructure& scene, std::uint32_t number, const Cha
   const Box3f bounds = has_scene ? instance.scene.bounds() : instance.object.bounds();
   if (bounds.empty()) return false;
   // As the ray was moved when it was traced.
-  const Ray local = Placement(instance.transform, bounds).to_object(ray).ray;
+  const Ray local = place_object(instance.transform, bounds).placement.to_object(ray).ray;
   if (has_scene) {
     return visit_instance(SceneStructure::of(instance.scene), number - scene.numbers[index], &chain, local,
                           visit);

@@ -15,7 +15,8 @@
 #include "base/uninitialized.hpp"
 #include "layout/wide_bvh.hpp"
 #include "math/box3f.hpp"
-#include "math/placement.hpp"
+#include "scene/instance_array.hpp"
+#include "scene/placement.hpp"
 #include "simd/dispatch.hpp"
 #include "structure.hpp"
 #include "traversal/dispatch.hpp"
@@ -27,12 +28,15 @@ struct SceneStructure {
   /// What a ray reads of an instance: two cache lines.
   class alignas(64) Place {
    public:
-    Place(const Placement& to, const Instance& instance, std::uint32_t number)
-        : placement(to), number(number), mask(instance.mask.bits) {
-      const void* const inside = instance.scene.instances().empty()
-                                     ? static_cast<const void*>(&Structure::of(instance.object))
-                                     : &SceneStructure::of(instance.scene);
-      inside_ = reinterpret_cast<std::uintptr_t>(inside) | (instance.scene.instances().empty() ? 0u : 1u);
+    /// All but the placement.
+    void set(const Instance& instance, std::uint32_t first_number) {
+      const SceneStructure& scene = SceneStructure::of(instance.scene);
+      const bool is_object = scene.instances.empty();
+      const void* const inside =
+          is_object ? static_cast<const void*>(&Structure::of(instance.object)) : &scene;
+      inside_ = reinterpret_cast<std::uintptr_t>(inside) | (is_object ? 0u : 1u);
+      number = first_number;
+      mask = instance.mask.bits;
     }
 
     Placement placement;
@@ -48,7 +52,7 @@ struct SceneStructure {
   };
   static_assert(sizeof(Place) == 128 && alignof(Structure) > 1);
 
-  std::vector<Instance> instances;     ///< as given: they keep the objects
+  InstanceArray instances;             ///< as given: they keep the objects
   std::vector<std::uint32_t> numbers;  ///< the first of each instance; none if they are 0, 1, 2...
   std::uint32_t instance_count = 0;    ///< with those of scenes
   unsigned levels = 1;
@@ -66,7 +70,9 @@ struct SceneStructure {
   }
   const Instance& instance_of(const Place& place) const { return instances[index_of(place.number)]; }
 
-  static const SceneStructure& of(const Scene& scene) { return *scene.structure_; }
+  static const SceneStructure& of(const Scene& scene) {
+    return *SharedPointer<SceneStructure>::in(scene.structure_);
+  }
   static Scene share(std::shared_ptr<const SceneStructure> structure) {
     return Scene(SharedPointer<SceneStructure>::share(std::move(structure)));
   }

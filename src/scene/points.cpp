@@ -201,7 +201,7 @@ void visit_near_instances(const SceneStructure& scene, const Transform* transfor
     } else if (transform == nullptr) {
       visit(InstancePoints(place.object(), number, whole, place.placement, point));
     } else {
-      const Placement placement(whole, place.object().wide.bounds);
+      const Placement placement = place_object(whole, place.object().wide.bounds).placement;
       visit(InstancePoints(place.object(), number, whole, placement, point));
     }
   };
@@ -209,7 +209,7 @@ void visit_near_instances(const SceneStructure& scene, const Transform* transfor
     visit_near_places(scene, point, reach, visit_inside);
     return;
   }
-  const Placement placement(*transform, scene.top.bounds);
+  const Placement placement = place_object(*transform, scene.top.bounds).placement;
   const Vec3f local = placement.to_object(point);
   if (!is_finite(local)) return;
   visit_near_places(

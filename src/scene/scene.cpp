@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <hwy/cache_control.h>
 #include <kerf/scene.hpp>
 
 #include "base/fp_environment.hpp"
@@ -14,10 +15,9 @@
 #include "base/raise.hpp"
 #include "base/uninitialized.hpp"
 #include "construction/options.hpp"
-#include "construction/sbvh/parallel_build.hpp"
-#include "layout/top_level.hpp"
 #include "math/coordinate_limit.hpp"
 #include "scene/places.hpp"
+#include "scene/top_level.hpp"
 #include "simd/dispatch.hpp"
 #include "traversal/dispatch.hpp"
 #include "tree/reference.hpp"
@@ -38,51 +38,35 @@ bool is_finite(const Transform& transform) {
 }
 
 bool has_scene(const Instance& instance) {
-  return !instance.scene.instances().empty();
+  return !SceneStructure::of(instance.scene).instances.empty();
 }
 
 // What stands at the place of an instance.
-struct Inside {
-  Box3f bounds;
-  double condition, margin;  // of levels below
-
-  explicit Inside(const Instance& instance) {
-    if (has_scene(instance)) {
-      const SceneStructure& scene = SceneStructure::of(instance.scene);
-      bounds = scene.top.bounds;
-      condition = scene.condition;
-      margin = scene.margin;
-    } else {
-      bounds = Structure::of(instance.object).wide.bounds;
-      condition = 1.0;
-      margin = object_margin;
-    }
-  }
-};
-
-bool has_something(const Instance& instance) {
-  return !(has_scene(instance) ? SceneStructure::of(instance.scene).top.empty()
-                               : Structure::of(instance.object).wide.empty());
+const WideBvh& inside(const Instance& instance) {
+  const SceneStructure& scene = SceneStructure::of(instance.scene);
+  return scene.instances.empty() ? Structure::of(instance.object).wide : scene.top;
 }
 
-// An instance that is not empty, with its box in the scene.
-struct Candidate {
-  SceneStructure::Place place;
-  Box3f box;
-  double condition, margin;
+bool is_in_range(const Box3f& box) {
+  return kerf::is_in_range(box.lower) && kerf::is_in_range(box.upper);
+}
 
-  Candidate(const Instance& instance, std::uint32_t number) : Candidate(instance, number, Inside(instance)) {}
-  Candidate(const Instance& instance, std::uint32_t number, const Inside& inside)
-      : place(Placement(instance.transform, inside.bounds), instance, number),
-        box(place.placement.box(instance.transform, inside.bounds)) {
-    const double here = place.placement.condition(instance.transform);
-    condition = here * inside.condition;
-    margin = ray_margin(here, inside.margin);
+// The condition of all levels, and the margin that rays need here.
+struct Worst {
+  double condition = 1.0, margin = 0.0;
+
+  Worst() = default;
+  Worst(const Instance& instance, double condition_here) : condition(condition_here), margin(object_margin) {
+    if (has_scene(instance)) {
+      const SceneStructure& scene = SceneStructure::of(instance.scene);
+      condition *= scene.condition;
+      margin = scene.margin;
+    }
+    margin = ray_margin(condition_here, margin);
   }
-
-  bool is_in_range() const {
-    return condition < Placement::max_condition && kerf::is_in_range(box.lower) &&
-           kerf::is_in_range(box.upper);
+  void take(const Worst& other) {
+    condition = std::max(condition, other.condition);
+    margin = std::max(margin, other.margin);
   }
 };
 
@@ -90,17 +74,19 @@ struct Candidate {
 void check(std::span<const Instance> instances) {
   for (std::uint32_t i = 0; i < instances.size(); ++i) {
     const Instance& instance = instances[i];
+    const Transform& transform = instance.transform;
     if (has_scene(instance) && !Structure::of(instance.object).wide.empty())
       raise(Error::invalid_argument, "instance %u has an object and a scene", i);
-    if (!is_finite(instance.transform))
+    if (!is_finite(transform))
       raise(Error::invalid_argument, "the transform of instance %u has a number that is not finite", i);
-    if (!has_something(instance)) continue;
-    const Candidate candidate(instance, i);
-    if (!(candidate.condition < Placement::max_condition)) {
+    if (inside(instance).empty()) continue;
+    const Box3f& bounds = inside(instance).bounds;
+    if (!(Worst(instance, place_object(transform, bounds).condition).condition <
+          PlacedObject::max_condition)) {
       raise(Error::invalid_argument,
             "the transform of instance %u flattens its object, so that it cannot be inverted", i);
     }
-    if (!candidate.is_in_range()) {
+    if (!is_in_range(place_box(transform, bounds))) {
       raise(Error::invalid_argument,
             "the transform of instance %u moves its object to coordinates of %g and more", i,
             double{coordinate_limit});
@@ -111,11 +97,7 @@ void check(std::span<const Instance> instances) {
 // Numbers the instances, those of scenes at each place.
 void number_instances(SceneStructure& scene) {
   std::uint64_t count = 0;
-  const std::vector<Instance>& instances = scene.instances;
-  if (std::none_of(instances.begin(), instances.end(), has_scene)) {
-    scene.instance_count = static_cast<std::uint32_t>(instances.size());
-    return;
-  }
+  const InstanceArray& instances = scene.instances;
   scene.numbers.reserve(instances.size());
   for (const Instance& instance : instances) {
     scene.numbers.push_back(static_cast<std::uint32_t>(count));
@@ -130,62 +112,126 @@ void number_instances(SceneStructure& scene) {
   scene.instance_count = static_cast<std::uint32_t>(count);
 }
 
-constexpr std::size_t instances_per_block = 1024;
+// As many are handed to vectors at a time.
+constexpr std::size_t chunk = 64;
 
-std::shared_ptr<const SceneStructure> build_structure(std::span<const Instance> instances,
-                                                      const BuildOptions& options) {
+// What there is in a block of instances.
+struct Block {
+  std::uint32_t present = 0;  // those that are not empty
+  bool has_scenes = false;
+  bool is_right = true;
+};
+
+// Copies a block of instances, and writes references to those that are not empty. A number that is not finite
+// in the transform of one makes its box that, or infinite.
+Block take_block(std::span<const Instance> instances, std::size_t number, SceneStructure& scene,
+                 Reference* references) {
+  Block block;
+  InstanceArray& copies = scene.instances;
+  copies.copy(instances, number);
+  PlacedBox placed[chunk];
+  Box3f boxes[chunk];
+  for (std::size_t first = copies.begin_of(number); first < copies.end_of(number); first += chunk) {
+    Reference* const to = references + block.present;
+    std::size_t count = 0;
+    for (std::size_t i = first; i < std::min(first + chunk, copies.end_of(number)); ++i) {
+      const Instance& instance = copies[i];
+      const WideBvh& wide = inside(instance);
+      if (has_scene(instance)) {
+        block.has_scenes = true;
+        block.is_right = block.is_right && Structure::of(instance.object).wide.empty();
+      }
+      if (wide.empty()) {
+        block.is_right = block.is_right && is_finite(instance.transform);
+        continue;
+      }
+      to[count].primitive = static_cast<std::uint32_t>(i);
+      placed[count++] = {&instance.transform, &wide.bounds};
+    }
+    place_boxes(scene.target, {placed, count}, boxes);
+    for (std::size_t i = 0; i < count; ++i) {
+      block.is_right = block.is_right && is_in_range(boxes[i]);
+      to[i] = Reference(boxes[i], to[i].primitive);
+    }
+    block.present += static_cast<std::uint32_t>(count);
+  }
+  return block;
+}
+
+void prefetch(const Instance& instance) {
+  const auto* const bytes = reinterpret_cast<const std::byte*>(&instance);
+  for (std::size_t i = 0; i < sizeof instance; i += 64) hwy::Prefetch(bytes + i);
+}
+
+// Writes the places of the instances with these indices, which are anywhere in memory.
+Worst write_places(const SceneStructure& scene, std::span<const std::uint32_t> indices,
+                   SceneStructure::Place* places) {
+  Worst worst;
+  PlacedBox placed[chunk];
+  Placement* placements[chunk];
+  double conditions[chunk];
+  for (std::size_t first = 0; first < indices.size(); first += chunk) {
+    const std::size_t count = std::min(chunk, indices.size() - first);
+    for (const std::uint32_t index :
+         indices.subspan(first + count, std::min(chunk, indices.size() - first - count)))
+      prefetch(scene.instances[index]);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Instance& instance = scene.instances[indices[first + i]];
+      placed[i] = {&instance.transform, &inside(instance).bounds};
+      placements[i] = &places[first + i].placement;
+    }
+    place_objects(scene.target, {placed, count}, placements, conditions);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint32_t index = indices[first + i];
+      const Instance& instance = scene.instances[index];
+      worst.take(Worst(instance, conditions[i]));
+      places[first + i].set(instance, scene.numbers.empty() ? index : scene.numbers[index]);
+    }
+  }
+  return worst;
+}
+
+std::shared_ptr<const SceneStructure> build_structure(std::span<const Instance> instances) {
   if (instances.size() > ChildLink::max_place)
     raise(Error::too_large, "%zu instances are more than 2^28, which is more than kerf can number",
           instances.size());
   auto scene = std::make_shared<SceneStructure>();
-  scene->instances.assign(instances.begin(), instances.end());
   scene->target = choose_target();
-  number_instances(*scene);
+  InstanceArray& copies = scene->instances;
+  copies.reserve(instances.size());
 
-  std::vector<std::uint32_t> present;  // the instances that are not empty
-  present.reserve(instances.size());
-  for (std::uint32_t i = 0; i < instances.size(); ++i)
-    if (has_something(instances[i])) present.push_back(i);
-  UninitializedVector<SceneStructure::Place> places(present.size());
-  std::vector<Reference> references(present.size());
-  std::atomic<bool> all_right = true;
-  struct Worst {
-    double condition = 1.0, margin = 0.0;
-  };
-  std::vector<Worst> worst((instances.size() + instances_per_block - 1) / instances_per_block);
-  parallel_for(worst.size(), [&](std::size_t block) {
-    const std::size_t begin = block * instances_per_block, end = begin + instances_per_block;
-    for (std::size_t i = begin; i < std::min(end, instances.size()); ++i) {
-      const Instance& instance = instances[i];
-      if (!is_finite(instance.transform) ||
-          (has_scene(instance) && !Structure::of(instance.object).wide.empty()))
-        all_right = false;
-    }
-    for (std::size_t i = begin; i < std::min(end, present.size()); ++i) {
-      const std::uint32_t index = present[i];
-      const Candidate candidate(instances[index], scene->numbers.empty() ? index : scene->numbers[index]);
-      if (!candidate.is_in_range()) all_right = false;
-      places[i] = candidate.place;
-      references[i] = Reference(candidate.box, static_cast<std::uint32_t>(i));
-      worst[block].condition = std::max(worst[block].condition, candidate.condition);
-      worst[block].margin = std::max(worst[block].margin, candidate.margin);
-    }
+  UninitializedVector<Reference> references(instances.size());
+  std::vector<Block> blocks(copies.blocks());
+  parallel_for(blocks.size(), [&](std::size_t i) {
+    blocks[i] = take_block(instances, i, *scene, references.data() + copies.begin_of(i));
   });
-  if (!all_right) check(instances);
+  bool has_scenes = false, is_right = true;
+  std::size_t present = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const Reference* const first = references.data() + copies.begin_of(i);
+    if (present != copies.begin_of(i)) std::copy_n(first, blocks[i].present, references.data() + present);
+    present += blocks[i].present;
+    has_scenes = has_scenes || blocks[i].has_scenes;
+    is_right = is_right && blocks[i].is_right;
+  }
+  if (!is_right) check(instances);
+  scene->instance_count = static_cast<std::uint32_t>(instances.size());
+  if (has_scenes) number_instances(*scene);
+
+  UninitializedVector<std::uint32_t> indices(present);
+  scene->top = build_top_level({references.data(), present}, indices.data(), choose_kernels().node_width,
+                               scene->target);
+  scene->places = UninitializedVector<SceneStructure::Place>(present);
+  std::vector<Worst> worst((present + InstanceArray::block - 1) / InstanceArray::block);
+  parallel_for(worst.size(), [&](std::size_t i) {
+    const std::size_t begin = i * InstanceArray::block, end = std::min(begin + InstanceArray::block, present);
+    worst[i] = write_places(*scene, {indices.data() + begin, end - begin}, scene->places.data() + begin);
+  });
   for (const Worst& of_block : worst) {
     scene->condition = std::max(scene->condition, of_block.condition);
     scene->margin = std::max(scene->margin, of_block.margin);
   }
-
-  BuildOptions object_splits = options;
-  object_splits.max_leaf_size = 1;
-  const BinaryTree tree = construct_object_split_tree(std::move(references), object_splits);
-  TopLevel top = make_top_level(tree, choose_kernels().node_width, scene->target);
-  scene->top = std::move(top.nodes);
-  scene->places = UninitializedVector<SceneStructure::Place>(top.numbers.size());
-  parallel_for_ranges(std::size_t{0}, top.numbers.size(), instances_per_block, [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) scene->places[i] = places[top.numbers[i]];
-  });
+  if (!(scene->condition < PlacedObject::max_condition)) check(instances);
   return scene;
 }
 
@@ -202,7 +248,7 @@ Scene& Scene::operator=(Scene&& other) noexcept {
 }
 
 std::span<const Instance> Scene::instances() const {
-  return structure_->instances;
+  return {structure_->instances.data(), structure_->instances.size()};
 }
 std::uint32_t Scene::instance_count() const {
   return structure_->instance_count;
@@ -237,7 +283,7 @@ Scene build(std::span<const Instance> instances, const BuildOptions& options) {
   const PlainFloatingPoint plain;
   return report_out_of_memory([&] {
     check_options(options);
-    const auto work = [&] { return SceneStructure::share(build_structure(instances, options)); };
+    const auto work = [&] { return SceneStructure::share(build_structure(instances)); };
     constexpr std::size_t max_instances_of_one_task = 2048;
     return instances.size() <= max_instances_of_one_task ? on_this_thread(work)
                                                          : on_threads(options.threads, work);

@@ -10,11 +10,11 @@
 #include "base/fp_environment.hpp"
 #include "base/out_of_memory.hpp"
 #include "math/motion.hpp"
-#include "math/placement.hpp"
 #include "queries/batches.hpp"
 #include "queries/pairs.hpp"
 #include "scene/chain.hpp"
 #include "scene/objects_in.hpp"
+#include "scene/placement.hpp"
 #include "scene/places.hpp"
 
 namespace kerf {
@@ -68,9 +68,8 @@ std::vector<Placed> list_objects(const SceneStructure& other, const Transform& t
   const Box3f common =
       intersect(moved_bounds, grown(scene.top.bounds, margin_of(scene, largest_extent(moved_bounds))));
   if (common.empty()) return objects;
-  const Placement placement(transform, bounds);
-  const bool is_invertible = placement.condition(transform) < Placement::max_condition;
-  const Box3f near = is_invertible ? placement.to_object(common, transform, bounds) : bounds;
+  const PlacedObject placed = place_object(transform, bounds);
+  const Box3f near = placed.is_invertible() ? placed.placement.to_object(common, transform, bounds) : bounds;
   if (near.empty()) return objects;
   const Chain moved{transform, nullptr};
   visit_objects_in(other, near, 0, &moved,
@@ -88,7 +87,7 @@ void visit_object_pairs(const SceneStructure& scene, const Placed& second, const
   visit_objects_in(
       scene, grown(moved, margin_of(scene, largest_extent(moved))), 0, nullptr,
       [&](const Structure& first, std::uint32_t number, const Chain& chain, const Box3f&) {
-        const Placement placement(chain.whole(), first.wide.bounds);
+        const Placement placement = place_object(chain.whole(), first.wide.bounds).placement;
         visit(ObjectPair{&first, second.object, number, second.number, placement.to_object(second.whole)});
       });
 }

@@ -8,6 +8,9 @@
 #define KERF_SIMD_DOUBLES_INL_H
 #endif
 
+#include <cmath>
+#include <cstring>
+
 #include <hwy/highway.h>
 #include <kerf/vec.hpp>
 
@@ -52,6 +55,11 @@ HWY_INLINE DoubleVector Set(DoubleTag, double x) {
 HWY_INLINE DoubleVector Zero(DoubleTag) {
   return DoubleVector{};
 }
+HWY_INLINE DoubleVector Load(DoubleTag, const double* p) {
+  DoubleVector a;
+  std::memcpy(&a, p, sizeof a);
+  return a;
+}
 HWY_INLINE void Store(DoubleVector a, DoubleTag, double* p) {
   std::memcpy(p, &a, sizeof a);
 }
@@ -69,6 +77,9 @@ HWY_INLINE DoubleVector Div(DoubleVector a, DoubleVector b) {
 }
 HWY_INLINE DoubleVector Neg(DoubleVector a) {
   return -a;
+}
+HWY_INLINE DoubleVector Sqrt(DoubleVector a) {
+  return DoubleVector{std::sqrt(a[0]), std::sqrt(a[1])};
 }
 HWY_INLINE DoubleVector Abs(DoubleVector a) {
   return DoubleVector(DoubleMask(a) & (DoubleMask{} + 0x7fffffffffffffff));

@@ -421,6 +421,30 @@ TEST(Scene, ScenesOfNothingAreMissed) {
   EXPECT_EQ(moved_to.instances().size(), 0u);
 }
 
+TEST(Scene, InstancesOfNothingAreSkippedAmongThousands) {
+  const Bvh object = build(workbench::make_sphere(0).mesh());
+  std::vector<Instance> instances(3000);
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    if (i % 3 != 0) instances[i].object = object;
+    instances[i].transform = {{{0.2, 0, 0, static_cast<double>(i)}, {0, 0.2, 0, 0}, {0, 0, 0.2, 0}}};
+  }
+  const Scene scene = build(instances);
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    const auto hit = scene.intersect({.origin = {static_cast<float>(i), 0.01f, 5}, .direction = {0, 0, -1}});
+    ASSERT_EQ(hit.has_value(), i % 3 != 0) << i;
+    if (hit) {
+      EXPECT_EQ(hit->instance, i);
+    }
+  }
+  instances[2400].transform.rows[1][2] = std::numeric_limits<double>::quiet_NaN();  // an empty one
+  try {
+    build(instances);
+    FAIL() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("instance 2400"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Scene, TransformsThatCannotBeInvertedAreRefusedByTheirNumber) {
   const Bvh object = build(workbench::make_sphere(1).mesh());
   const auto refusal = [&](const Transform& transform) -> std::string {

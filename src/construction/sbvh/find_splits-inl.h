@@ -79,13 +79,14 @@ HWY_NOINLINE Splits find_splits(const BuildContext& context, const NodeInput& no
   const BinMapping spatial_mapping(node.box, spatial_bin_count);
   if (count <= sweep_limit) {
     splits.object = sweep(references, count);
+    if (!try_space) return splits;
     for (std::uint32_t i = 0; i < count; ++i) {
       const BoxMask is_left =
           box_mask(doubled_centroid(references[i], splits.object.axis), splits.object.threshold);
       children.left = merge_if(is_left, children.left, load_box(references[i]));
       children.right = merge_if_not(is_left, children.right, load_box(references[i]));
     }
-    if (try_space) fill(spatial_bins, references, count, spatial_mapping);
+    fill(spatial_bins, references, count, spatial_mapping);
   } else {
     const int bin_count = count <= few_references ? few_object_bin_count : object_bin_count;
     const BinMapping mapping(node.doubled_centroids, bin_count);
@@ -98,10 +99,11 @@ HWY_NOINLINE Splits find_splits(const BuildContext& context, const NodeInput& no
       fill(bins, references, count, mapping, bin_count);
     }
     splits.object = cheapest(bins, count, mapping, bin_count);
+    if (!try_space) return splits;
     children = child_boxes(bins, splits.object, bin_count);
   }
 
-  if (try_space && overlap_calls_for_spatial_split(context, children, half_area(node.box))) {
+  if (overlap_calls_for_spatial_split(context, children, half_area(node.box))) {
     splits.spatial = find_spatial_split(*context.geometry, spatial_bins, spatial_mapping, references,
                                         node.range, node.box, splits.object.cost);
   }

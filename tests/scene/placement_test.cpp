@@ -1,16 +1,19 @@
 // Rays in the space of an object, against maps in long doubles.
-#include "math/placement.hpp"
+#include "scene/placement.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "support/adversarial.hpp"
 #include "support/instrumented.hpp"
+#include "support/targets.hpp"
 
 namespace kerf {
 namespace {
@@ -34,7 +37,7 @@ Placed any_placed(std::mt19937& random) {
     const float size = std::ldexp(1.0f, static_cast<int>(random() % 8));
     const Vec3f at = uniform_point(random, std::ldexp(1.0f, static_cast<int>(random() % 16)));
     placed.bounds = {at, at + Vec3f{size, uniform(random, 0, 1) * size, uniform(random, 0, 1) * size}};
-  } while (!(Placement(placed.transform, placed.bounds).condition(placed.transform) < 1000));
+  } while (!(place_object(placed.transform, placed.bounds).condition < 1000));
   return placed;
 }
 
@@ -51,13 +54,12 @@ TEST(Placement, ARayIsMovedByNoMoreThanItsRounding) {
   std::mt19937 random(1);
   for (std::size_t i = 0; i < test::reduced(20000); ++i) {
     const auto [transform, bounds] = any_placed(random);
-    const Placement placement(transform, bounds);
-    const Box3f box = placement.box(transform, bounds);
+    const auto [placement, condition] = place_object(transform, bounds);
+    const Box3f box = place_box(transform, bounds);
     const Vec3f origin = box.lower + uniform_point(random, std::ldexp(1.0f, static_cast<int>(random() % 12)));
     const Ray ray{.origin = origin, .direction = uniform_point(random, 1.0f)};
     const MovedRay local = placement.to_object(ray);
     ASSERT_EQ(local.unit, 1.0);
-    const double condition = placement.condition(transform);
     long double size = 0, reach = 0;  // of the object from its origin or its corner; of the ray to it
     for (int k = 0; k < 3; ++k) {
       long double sum = 0;
@@ -86,9 +88,9 @@ TEST(Placement, ARayIsMovedByNoMoreThanItsRounding) {
 TEST(Placement, TheConditionIsOneWhereAxesGoToAxes) {
   const Box3f bounds{{-1, -1, -1}, {1, 1, 1}};
   const Transform scaled{{{0, 1e6, 0, 4}, {0, 0, -1e-6, 5}, {3, 0, 0, 6}}};
-  EXPECT_NEAR(Placement(scaled, bounds).condition(scaled), 1.0, 1e-12);
+  EXPECT_NEAR(place_object(scaled, bounds).condition, 1.0, 1e-12);
   const Transform flat{{{1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0}}};
-  EXPECT_EQ(Placement(flat, bounds).condition(flat), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(place_object(flat, bounds).condition, std::numeric_limits<double>::infinity());
 }
 
 TEST(Placement, TheStretchIsThatOfTheWorstDirection) {
@@ -114,10 +116,36 @@ TEST(Placement, TheStretchIsThatOfTheWorstDirection) {
     for (std::size_t row = 0; row < 3; ++row)
       for (std::size_t column = 0; column < 3; ++column) transform.rows[row][column] = m[row][column];
     const double expected = 1.0 / std::min({x, y, z});
-    const double stretch = Placement(transform, {{-1, -1, -1}, {1, 1, 1}}).largest_stretch();
+    const double stretch = place_object(transform, {{-1, -1, -1}, {1, 1, 1}}).placement.largest_stretch();
     EXPECT_GE(stretch, expected);
     EXPECT_LE(stretch, 1.04 * expected);
   }
+}
+
+TEST(Placement, ManyAtATimeAreThoseOneByOneToTheBit) {
+  std::mt19937 random(4);
+  std::vector<Placed> all;
+  for (std::size_t i = 0; i < 37; ++i) all.push_back(any_placed(random));
+  all.push_back({{{{1, 0, 0, 0}, {0, 1, 0, 0}, {1, 1, 0, 0}}}, {{-1, -1, -1}, {1, 1, 1}}});  // flat
+  std::vector<PlacedBox> placed;
+  for (const Placed& one : all) placed.push_back({&one.transform, &one.bounds});
+  kerf_tests::for_each_target([&](const Target& target) {
+    std::vector<Placement> placements(all.size());
+    std::vector<Placement*> to;
+    for (Placement& placement : placements) to.push_back(&placement);
+    std::vector<double> conditions(all.size());
+    std::vector<Box3f> boxes(all.size());
+    place_objects(target, placed, to.data(), conditions.data());
+    place_boxes(target, placed, boxes.data());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const auto [placement, condition] = place_object(all[i].transform, all[i].bounds);
+      EXPECT_EQ(conditions[i], condition);
+      EXPECT_EQ(boxes[i], place_box(all[i].transform, all[i].bounds));
+      if (condition < PlacedObject::max_condition) {
+        EXPECT_EQ(std::memcmp(&placements[i], &placement, sizeof placement), 0);
+      }
+    }
+  });
 }
 
 }  // namespace
