@@ -211,6 +211,13 @@ class KERF_API Scene {
   /// The same for many points.
   void contains(const PointView& points, const FlagView& inside, const BatchOptions& options = {}) const;
 
+  /// As `contains`, with the surface told from the inside: a point is on it where it is on the surface of an
+  /// object, in whose space it has been rounded.
+  Side side(const Vec3f& point) const;
+
+  /// The same for many points.
+  void side(const PointView& points, std::span<Side> sides, const BatchOptions& options = {}) const;
+
   /// The closest point of any triangle within `max_distance` (included); nothing if there is none. Of several
   /// at the same distance, the lowest instance, mesh and triangle. Distances are those in the scene, also
   /// where transforms scale and shear, computed in double precision from corners that are moved in double
@@ -222,6 +229,17 @@ class KERF_API Scene {
   void closest_point(const PointView& points, std::span<ScenePoint> closest,
                      float max_distance = std::numeric_limits<float>::infinity(),
                      const BatchOptions& options = {}) const;
+
+  /// The closest points of the `count` triangles that are nearest to `point`, nearest first, or of fewer if
+  /// not so many lie within `max_distance` (included). Each triangle of each instance once; of several at the
+  /// same distance the lowest instance, mesh and triangle first. Distances as by `closest_point`.
+  std::vector<ScenePoint> nearest(const Vec3f& point, std::size_t count,
+                                  float max_distance = std::numeric_limits<float>::infinity()) const;
+
+  /// The same for many points.
+  Lists<ScenePoint> nearest(const PointView& points, std::size_t count,
+                            float max_distance = std::numeric_limits<float>::infinity(),
+                            const BatchOptions& options = {}) const;
 
   /// The distance to the closest point of a closed surface, negative inside (`contains`). Infinity for a
   /// scene of nothing.

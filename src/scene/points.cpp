@@ -118,6 +118,20 @@ class InstancePoints {
     return true;
   }
 
+  // A squared distance in the scene within which `count` triangles lie; infinite if there are fewer within
+  // `squared_reach`. Those that are nearest in the object need not be so in the scene.
+  double reach_of(std::size_t count, double squared_reach) const {
+    std::vector<NearTriangle> near;
+    if (is_finite(local_)) {
+      object_.kernels->nearest_triangles(object_.wide, local_, in_object(squared_reach), count, near);
+    }
+    if (near.size() < count) return std::numeric_limits<double>::infinity();
+    double farthest = 0.0;
+    for (const NearTriangle& triangle : near)
+      farthest = std::max(farthest, in_scene(triangle).squared_distance);
+    return farthest;
+  }
+
   // All with a squared distance of up to `squared_reach` in the scene, some more than once.
   void append(double squared_reach, std::vector<Found>& all) const {
     if (!is_finite(local_)) return;
@@ -238,18 +252,46 @@ ScenePoint closest(const SceneStructure& scene, const Vec3f& point, float max_di
   return best.point;
 }
 
-std::vector<ScenePoint> all_within(const SceneStructure& scene, const Vec3f& point, float radius) {
+// Sorts them, and takes out what is in them more than once.
+void put_in_order(std::vector<Found>& all) {
+  std::sort(all.begin(), all.end(), is_nearer);
+  const auto is_same = [](const Found& a, const Found& b) { return a.point == b.point; };
+  all.erase(std::unique(all.begin(), all.end(), is_same), all.end());
+}
+
+std::vector<ScenePoint> points_of(const std::vector<Found>& all) {
   std::vector<ScenePoint> points;
-  if (!has_sense(point, radius)) return points;
+  points.reserve(all.size());
+  for (const Found& found : all) points.push_back(found.point);
+  return points;
+}
+
+std::vector<ScenePoint> nearest_of_all(const SceneStructure& scene, const Vec3f& point, std::size_t count,
+                                       float max_distance) {
+  if (count == 0 || !has_sense(point, max_distance)) return {};
+  double reach = static_cast<double>(max_distance) * max_distance;
+  std::vector<Found> nearest;
+  visit_near_instances(
+      scene, nullptr, 0, point, [&] { return reach; },
+      [&](const InstancePoints& instance) {
+        instance.append(std::min(reach, instance.reach_of(count, reach)), nearest);
+        put_in_order(nearest);
+        if (nearest.size() < count) return;
+        nearest.resize(count);
+        reach = nearest.back().squared_distance;
+      });
+  return points_of(nearest);
+}
+
+std::vector<ScenePoint> all_within(const SceneStructure& scene, const Vec3f& point, float radius) {
+  if (!has_sense(point, radius)) return {};
   const double reach = static_cast<double>(radius) * radius;
   std::vector<Found> all;
   visit_near_instances(
       scene, nullptr, 0, point, [&] { return reach; },
       [&](const InstancePoints& instance) { instance.append(reach, all); });
-  std::sort(all.begin(), all.end(), is_nearer);
-  for (const Found& found : all)
-    if (points.empty() || points.back() != found.point) points.push_back(found.point);
-  return points;
+  put_in_order(all);
+  return points_of(all);
 }
 
 }  // namespace
@@ -286,6 +328,20 @@ void Scene::signed_distance(const PointView& points, std::span<float> distances,
 std::vector<ScenePoint> Scene::within(const Vec3f& point, float radius) const {
   const PlainFloatingPoint plain;
   return report_out_of_memory([&] { return all_within(*structure_, point, radius); });
+}
+
+std::vector<ScenePoint> Scene::nearest(const Vec3f& point, std::size_t count, float max_distance) const {
+  const PlainFloatingPoint plain;
+  return report_out_of_memory([&] { return nearest_of_all(*structure_, point, count, max_distance); });
+}
+
+Lists<ScenePoint> Scene::nearest(const PointView& points, std::size_t count, float max_distance,
+                                 const BatchOptions& options) const {
+  return list_in_batches<ScenePoint>(
+      points.size(), points_per_batch, options, [&](std::size_t i, std::vector<ScenePoint>& found) {
+        const std::vector<ScenePoint> here = nearest_of_all(*structure_, points[i], count, max_distance);
+        found.insert(found.end(), here.begin(), here.end());
+      });
 }
 
 Lists<ScenePoint> Scene::within(const PointView& points, float radius, const BatchOptions& options) const {

@@ -68,8 +68,8 @@ std::size_t count_all(const SceneStructure& scene, const Ray& ray) {
 // As `side_of` in the objects' kernels: oblique to all coordinate planes.
 constexpr Vec3f oblique{0.8571f, 0.3163f, 0.4067f};
 
-bool holds(const SceneStructure& scene, const Vec3f& point) {
-  if (!is_finite(point)) return false;
+Side side_of(const SceneStructure& scene, const Vec3f& point) {
+  if (!is_finite(point)) return Side::outside;
   const Ray ray{.origin = point, .direction = oblique};
   std::size_t crossings = 0;
   bool on = false;
@@ -84,7 +84,7 @@ bool holds(const SceneStructure& scene, const Vec3f& point) {
     crossings += object.kernels->count_crossings(object.wide, met.ray.ray);
     return ray.t_max;
   });
-  return on || crossings % 2 == 1;
+  return on ? Side::on : crossings % 2 == 1 ? Side::inside : Side::outside;
 }
 
 // All hits of one ray, in their order, behind those that `hits` has.
@@ -158,15 +158,26 @@ void Scene::count_hits(const RayView& rays, std::span<std::uint32_t> counts,
   });
 }
 
-bool Scene::contains(const Vec3f& point) const {
+Side Scene::side(const Vec3f& point) const {
   const PlainFloatingPoint plain;
-  return report_out_of_memory([&] { return holds(*structure_, point); });
+  return report_out_of_memory([&] { return side_of(*structure_, point); });
+}
+
+void Scene::side(const PointView& points, std::span<Side> sides, const BatchOptions& options) const {
+  require_as_many(points.size(), sides.size(), "as many sides as points are needed");
+  for_each_point(points, options,
+                 [&](std::size_t i, const Vec3f& point) { sides[i] = side_of(*structure_, point); });
+}
+
+bool Scene::contains(const Vec3f& point) const {
+  return side(point) != Side::outside;
 }
 
 void Scene::contains(const PointView& points, const FlagView& inside, const BatchOptions& options) const {
   require_as_many(points.size(), inside.size(), "as many results as points are needed");
-  for_each_point(points, options,
-                 [&](std::size_t i, const Vec3f& point) { inside.set(i, holds(*structure_, point)); });
+  for_each_point(points, options, [&](std::size_t i, const Vec3f& point) {
+    inside.set(i, side_of(*structure_, point) != Side::outside);
+  });
 }
 
 }  // namespace kerf

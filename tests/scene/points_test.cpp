@@ -146,6 +146,63 @@ TEST(ScenePoints, WithinARadiusIsEveryTriangleOnce) {
   }
 }
 
+TEST(ScenePoints, TheNearestAreTheFirstOfAllTriangles) {
+  std::mt19937 random(11);
+  const World world(random, 40);
+  const Scene scene = build(world.instances);
+  std::vector<Vec3f> points;
+  for (std::size_t i = 0; i < test::reduced(60) + 2; ++i) points.push_back(uniform_point(random, 5.0f));
+  for (const std::size_t count : {std::size_t{1}, std::size_t{5}, std::size_t{30}, std::size_t{1000}}) {
+    const Lists<ScenePoint> many = scene.nearest(points, count);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      std::vector<long double> distances;
+      for (std::uint32_t instance = 0; instance < world.instances.size(); ++instance)
+        for (std::uint32_t primitive = 0; primitive < 12; ++primitive)
+          distances.push_back(world.distance_to(points[i], instance, primitive));
+      std::sort(distances.begin(), distances.end());
+      const std::vector<ScenePoint> found = scene.nearest(points[i], count);
+      ASSERT_EQ(found.size(), std::min(count, distances.size()));
+      for (std::size_t k = 0; k < found.size(); ++k) {
+        const auto expected = static_cast<double>(distances[k]);
+        EXPECT_NEAR(found[k].distance, expected, 1e-6 * (1 + expected));
+        const auto own =
+            static_cast<double>(world.distance_to(points[i], found[k].instance, found[k].primitive));
+        EXPECT_NEAR(found[k].distance, own, 1e-6 * (1 + own));
+      }
+      std::vector<ScenePoint> all = scene.within(points[i], std::numeric_limits<float>::infinity());
+      all.resize(found.size());
+      EXPECT_EQ(found, all);
+      EXPECT_TRUE(std::equal(found.begin(), found.end(), many[i].begin(), many[i].end()));
+      if (found.size() > 2) {  // the limit is included
+        const float limit = found[2].distance * 1.0000002f;
+        const std::vector<ScenePoint> near = scene.nearest(points[i], count, limit);
+        EXPECT_EQ(near,
+                  scene.within(points[i], limit).size() > count ? found : scene.within(points[i], limit));
+      }
+    }
+  }
+}
+
+TEST(ScenePoints, TheSurfaceIsToldFromTheInside) {
+  const Bvh box = build(workbench::make_box({-1, -1, -1}, {1, 1, 1}).mesh());
+  const Scene scene = build(
+      std::vector<Instance>{{.object = box, .transform = {{{2, 0, 0, 10}, {0, 2, 0, 0}, {0, 0, 2, 0}}}},
+                            {.object = box, .transform = {{{0, -1, 0, -10}, {1, 0, 0, 0}, {0, 0, 1, 0}}}}});
+  const std::vector<Vec3f> points{{10, 0, 0},     {12, 0, 0}, {12, 2, 2}, {12.25f, 0, 0},
+                                  {-10, 0.5f, 0}, {-9, 0, 0}, {0, 0, 0}};
+  const std::vector<Side> expected{Side::inside, Side::on, Side::on,     Side::outside,
+                                   Side::inside, Side::on, Side::outside};
+  std::vector<Side> sides(points.size());
+  scene.side(points, sides);
+  EXPECT_EQ(sides, expected);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(scene.side(points[i]), expected[i]);
+    EXPECT_EQ(scene.contains(points[i]), expected[i] != Side::outside);
+  }
+  const float infinity = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(scene.side({infinity, 0, 0}), Side::outside);
+}
+
 TEST(ScenePoints, DistancesInScenesOfScenesAreThoseOfOneLevel) {
   std::mt19937 random(3);
   const World inner(random, 12), outer(random, 8);

@@ -75,22 +75,39 @@ nb::tuple parts(const Scene& scene) {
 
 using Limits = std::optional<Numbers<float>>;
 
+/// Which instances count: a byte for each.
+struct Accepted {
+  const std::uint8_t* flags;
+
+  bool operator()(std::size_t, const SceneHit& hit) const { return flags[hit.instance] != 0; }
+};
+using Flags = std::optional<Answers<const std::uint8_t>>;
+
 void intersect(const Scene& scene, const Triples& origins, const Triples& directions, const Limits& t_min,
-               const Limits& t_max, const std::optional<Numbers<std::uint32_t>>& mask, const Bytes& hits,
-               unsigned threads) {
+               const Limits& t_max, const std::optional<Numbers<std::uint32_t>>& mask, const Flags& accepted,
+               const Bytes& answers, unsigned threads) {
   const Rays rays(origins, directions, t_min, t_max, mask);
   in_slices(rays.view.count, [&](std::size_t first, std::size_t count) {
-    scene.intersect(rays.slice(first, count), records<SceneHit>(hits).subspan(first, count),
-                    {.threads = threads});
+    const std::span<SceneHit> hits = records<SceneHit>(answers).subspan(first, count);
+    if (accepted) {
+      scene.intersect(rays.slice(first, count), hits, Accepted{accepted->data()}, {.threads = threads});
+    } else {
+      scene.intersect(rays.slice(first, count), hits, {.threads = threads});
+    }
   });
 }
 
 void occluded(const Scene& scene, const Triples& origins, const Triples& directions, const Limits& t_min,
-              const Limits& t_max, const std::optional<Numbers<std::uint32_t>>& mask, const Bytes& answers,
-              unsigned threads) {
+              const Limits& t_max, const std::optional<Numbers<std::uint32_t>>& mask, const Flags& accepted,
+              const Bytes& answers, unsigned threads) {
   const Rays rays(origins, directions, t_min, t_max, mask);
   in_slices(rays.view.count, [&](std::size_t first, std::size_t count) {
-    scene.occluded(rays.slice(first, count), FlagView(answers.data() + first, count), {.threads = threads});
+    const FlagView flags(answers.data() + first, count);
+    if (accepted) {
+      scene.occluded(rays.slice(first, count), flags, Accepted{accepted->data()}, {.threads = threads});
+    } else {
+      scene.occluded(rays.slice(first, count), flags, {.threads = threads});
+    }
   });
 }
 
@@ -108,6 +125,39 @@ nb::tuple all_hits(const Scene& scene, const Triples& origins, const Triples& di
   return to_tuple(list_in_slices<SceneHit>(rays.view.count, [&](std::size_t first, std::size_t count) {
     return scene.all_hits(rays.slice(first, count), {.threads = threads});
   }));
+}
+
+void geometry(const Scene& scene, const Triples& origins, const Triples& directions, const Bytes& hits,
+              const Answers<float>& corners, const Answers<float>& normals, const Bytes& front) {
+  const Rays rays(origins, directions, {}, {}, {});
+  in_slices(rays.view.count, [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      const SceneHit& hit = records<SceneHit>(hits)[i];
+      if (!hit) continue;
+      const HitGeometry geometry = scene.geometry(rays[i], hit);
+      std::memcpy(corners.data() + 9 * i, &geometry.triangle, sizeof(geometry.triangle));
+      std::memcpy(normals.data() + 3 * i, &geometry.normal, sizeof(geometry.normal));
+      front.data()[i] = geometry.front ? 1 : 0;
+    }
+  });
+}
+
+/// Writes the corners of the triangles that are in leaves.
+void triangles(const Scene& scene, const Bytes& ids, const Answers<float>& corners) {
+  const std::span<ScenePrimitiveId> span = records<ScenePrimitiveId>(ids);
+  in_slices(span.size(), [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      const auto triangle = scene.triangle(span[i]);
+      if (triangle) std::memcpy(corners.data() + 9 * i, &*triangle, sizeof(*triangle));
+    }
+  });
+}
+
+void side(const Scene& scene, const Triples& points, const Bytes& sides, unsigned threads) {
+  in_slices(points.shape(0), [&](std::size_t first, std::size_t count) {
+    scene.side(points_of(points, first, count), records<Side>(sides).subspan(first, count),
+               {.threads = threads});
+  });
 }
 
 void contains(const Scene& scene, const Triples& points, const Bytes& inside, unsigned threads) {
@@ -131,6 +181,13 @@ void closest_point(const Scene& scene, const Triples& points, const Bytes& close
     scene.closest_point(points_of(points, first, count), records<ScenePoint>(closest).subspan(first, count),
                         max_distance, {.threads = threads});
   });
+}
+
+nb::tuple nearest(const Scene& scene, const Triples& points, std::size_t count, float max_distance,
+                  unsigned threads) {
+  return to_tuple(list_in_slices<ScenePoint>(points.shape(0), [&](std::size_t first, std::size_t some) {
+    return scene.nearest(points_of(points, first, some), count, max_distance, {.threads = threads});
+  }));
 }
 
 nb::tuple within(const Scene& scene, const Triples& points, float radius, unsigned threads) {
@@ -197,9 +254,13 @@ void add_scene(nb::module_& module) {
   module.def("scene_occluded", &occluded);
   module.def("scene_count_hits", &count_hits);
   module.def("scene_all_hits", &all_hits);
+  module.def("scene_geometry", &geometry);
+  module.def("scene_triangles", &triangles);
+  module.def("scene_side", &side);
   module.def("scene_contains", &contains);
   module.def("scene_signed_distance", &signed_distance);
   module.def("scene_closest_point", &closest_point);
+  module.def("scene_nearest", &nearest);
   module.def("scene_within", &within);
   module.def("scene_triangles_in", &triangles_in);
   module.def("scene_touching_pairs", &touching_pairs);

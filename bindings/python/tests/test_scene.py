@@ -152,6 +152,62 @@ def test_points_are_answered_as_in_one_mesh_under_any_transform(ball, random):
     assert np.allclose(hits.t, far.t, atol=1e-4)
 
 
+def test_geometry_and_triangles_are_those_of_one_mesh(ball, random):
+    for maps in (exact_transforms(40, random), any_transforms(40, random)):
+        scene, mesh = kerf_bvh.Scene(ball, maps), merged(maps)
+        origins, directions = rays(random, 1000)
+        hits = scene.intersect(origins, directions)
+        met = scene.geometry(origins, directions, hits)
+        flat = kerf_bvh.Hits(hits.t, hits.u, hits.v, hits.primitive, hits.instance)
+        expected = mesh.geometry(origins, directions, flat)
+        assert hits.hit.sum() > 50
+        assert np.allclose(met.corners, expected.corners, rtol=1e-6, atol=1e-6, equal_nan=True)
+        assert np.allclose(met.normal, expected.normal, atol=2e-3, equal_nan=True)
+        assert (met.front == expected.front).mean() > 0.998  # where a ray grazes a triangle, rounding decides
+        assert np.isnan(met.corners[~hits.hit]).all() and np.isnan(met.normal[~hits.hit]).all()
+        corners = scene.triangles(hits.primitive[hits.hit], instance=hits.instance[hits.hit])
+        assert np.array_equal(corners, met.corners[hits.hit])
+    assert scene.triangles(3).shape == (3, 3) and scene.triangles([[1, 2]], 0, [[5], [6]]).shape == (2, 2, 3, 3)
+    assert np.isnan(scene.triangles([0, 0, len(FACES)], [0, 1, 0], [40, 0, 0])).all()
+    with pytest.raises(ValueError, match="hits: shape"):
+        scene.geometry(origins[:3], directions[:3], hits)
+    with pytest.raises(TypeError, match="primitive: elements of type float64"):
+        scene.triangles(0.5)
+
+
+def test_rays_pass_instances_that_are_not_accepted(ball, random):
+    maps = any_transforms(40, random)
+    scene = kerf_bvh.Scene([kerf_bvh.Scene(ball, maps), ball], which=[0, 1])
+    accept = random.integers(0, 2, 41).astype(bool)
+    rest = kerf_bvh.Scene(ball, np.concatenate([maps, np.eye(4)[None, :3]])[accept])
+    origins, directions = rays(random)
+    hits, expected = scene.intersect(origins, directions, accept=accept), rest.intersect(origins, directions)
+    assert expected.hit.sum() > 100
+    assert np.allclose(hits.t, expected.t, atol=1e-4)
+    assert np.array_equal(hits.instance[hits.hit], np.flatnonzero(accept)[expected.instance[hits.hit]])
+    assert np.array_equal(scene.occluded(origins, directions, accept=accept), hits.hit)
+    with pytest.raises(ValueError, match=re.escape("accept: shape (40,) for 41 instances")):
+        scene.intersect(origins, directions, accept=accept[1:])
+    with pytest.raises(TypeError, match="accept: elements of type int64"):
+        scene.occluded(origins, directions, accept=accept.astype(np.int64))
+
+
+def test_the_nearest_are_the_first_within_and_sides_tell_the_surface(ball, cube, random):
+    scene = kerf_bvh.Scene(ball, any_transforms(30, random))
+    points = random.uniform(-8, 8, (100, 3))
+    nearest, every = scene.nearest(points, 7), scene.within(points, np.inf)
+    assert len(nearest.items) == 700
+    for some, every_one in zip(nearest, every):
+        for name in ("distance", "instance", "primitive"):
+            assert np.array_equal(getattr(some, name), getattr(every_one, name)[:7])
+    assert len(scene.nearest(points, 7, 1e-9).items) == 0 and len(scene.nearest(points, 0).items) == 0
+    with pytest.raises(ValueError, match="count: -1"):
+        scene.nearest(points, -1)
+    boxes = kerf_bvh.Scene(cube, np.array([[[2.0, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0]]]))
+    sides = boxes.side([[[1, 1, 1], [2, 1, 1], [2.5, 1, 1]]])
+    assert sides.tolist() == [[kerf_bvh.Side.INSIDE, kerf_bvh.Side.ON, kerf_bvh.Side.OUTSIDE]]
+
+
 def test_masks_and_numbers_are_those_of_instances(ball):
     maps = np.tile(np.eye(4), (3, 1, 1))
     maps[:, 2, 3] = [0, 3, 6]

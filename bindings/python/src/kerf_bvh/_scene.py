@@ -19,6 +19,7 @@ from ._results import (
     SCENE_HIT,
     SCENE_POINT,
     SCENE_PRIMITIVE,
+    Geometry,
     Lists,
     SceneHits,
     ScenePoints,
@@ -156,16 +157,20 @@ class Scene:
         t_max: ArrayLike = math.inf,
         *,
         mask: ArrayLike | None = None,
+        accept: ArrayLike | None = None,
         threads: int = 0,
     ) -> SceneHits:
         """The closest hit of each ray in [t_min, t_max]. Of several at the same t, the lowest instance, mesh, triangle.
 
-        Parameters as those of `Bvh.intersect`. Returns `SceneHits` of shape (...).
+        accept: bool (`instance_count`,): False for instances that rays pass.
+
+        Other parameters as those of `Bvh.intersect`. Returns `SceneHits` of shape (...).
         """
         rays, shape = rays_of(origins, directions, t_min, t_max, rounded)
         records = np.empty(shape, SCENE_HIT)
         data = records.reshape(-1).view(np.uint8)
-        _kerf.scene_intersect(self._scene, *rays, mask_of(mask, shape), data, check_threads(threads))
+        accepted = self._accepted(accept)
+        _kerf.scene_intersect(self._scene, *rays, mask_of(mask, shape), accepted, data, check_threads(threads))
         return scene_hits_of(records)
 
     def occluded(
@@ -176,13 +181,15 @@ class Scene:
         t_max: ArrayLike = math.inf,
         *,
         mask: ArrayLike | None = None,
+        accept: ArrayLike | None = None,
         threads: int = 0,
     ) -> Bool:
-        """Whether each ray hits anything in [t_min, t_max]: bool (...)."""
+        """Whether each ray hits anything in [t_min, t_max]: bool (...). As `intersect`."""
         rays, shape = rays_of(origins, directions, t_min, t_max, rounded)
         answers = np.empty(shape, np.bool_)
         flags = answers.reshape(-1).view(np.uint8)
-        _kerf.scene_occluded(self._scene, *rays, mask_of(mask, shape), flags, check_threads(threads))
+        accepted = self._accepted(accept)
+        _kerf.scene_occluded(self._scene, *rays, mask_of(mask, shape), accepted, flags, check_threads(threads))
         return answers
 
     def count_hits(
@@ -217,7 +224,33 @@ class Scene:
         offsets, items = _kerf.scene_all_hits(self._scene, *rays, check_threads(threads))
         return Lists(offsets_of(offsets), scene_hits_of(items.view(SCENE_HIT)))
 
+    def geometry(self, origins: ArrayLike, directions: ArrayLike, hits: SceneHits) -> Geometry:
+        """What rays meet at their hits, as it stands in the scene: corners, normals, and whether the front is met.
+
+        Normals are right under scale and shear, too; a mirrored object has its front where the moved corners run
+        counter-clockwise. origins, directions: as they were given to the call that returned `hits`, of the same shape.
+        """
+        rays, shape = rays_of(origins, directions, 0.0, math.inf, rounded)
+        if hits.t.shape != shape:
+            raise ValueError(f"hits: shape {hits.t.shape}, where that of the rays is needed, {shape}")
+        records = np.empty(shape, SCENE_HIT)
+        for name in SCENE_HIT.names or ():
+            records[name] = getattr(hits, name)
+        corners = np.full((*shape, 3, 3), np.nan, np.float32)
+        normals = np.full((*shape, 3), np.nan, np.float32)
+        front = np.zeros(shape, np.bool_)
+        data, flags = records.reshape(-1).view(np.uint8), front.reshape(-1).view(np.uint8)
+        _kerf.scene_geometry(self._scene, *rays[:2], data, corners.reshape(-1), normals.reshape(-1), flags)
+        return Geometry(corners, normals, front)
+
     # Points
+
+    def side(self, points: ArrayLike, *, threads: int = 0) -> npt.NDArray[np.uint8]:
+        """As `contains`, with the surface told from the inside: uint8 (...) of the values of `Side`."""
+        local, shape = _points(points)
+        sides = np.empty(shape, np.uint8)
+        _kerf.scene_side(self._scene, local, sides.reshape(-1), check_threads(threads))
+        return sides
 
     def contains(self, points: ArrayLike, *, threads: int = 0) -> Bool:
         """Whether points lie inside the closed surface that all triangles make, or on it: bool (...).
@@ -247,6 +280,20 @@ class Scene:
         data = records.reshape(-1).view(np.uint8)
         _kerf.scene_closest_point(self._scene, local, data, max_distance, check_threads(threads))
         return _scene_points(records, points)
+
+    def nearest(
+        self, points: ArrayLike, count: int, max_distance: float = math.inf, *, threads: int = 0
+    ) -> Lists[ScenePoints]:
+        """The closest points of the `count` triangles that are nearest to each point, nearest first.
+
+        Fewer if not so many lie within `max_distance` (included). Each triangle of each instance once; of several at
+        the same distance the lowest instance, mesh and triangle first. Returns `Lists`, one list a point.
+        """
+        if count < 0:
+            raise ValueError(f"count: {count}, where a number from 0 is needed")
+        local, _ = _points(points)
+        offsets, items = _kerf.scene_nearest(self._scene, local, count, max_distance, check_threads(threads))
+        return Lists(offsets_of(offsets), _scene_points(items.view(SCENE_POINT), points))
 
     def within(self, points: ArrayLike, radius: float, *, threads: int = 0) -> Lists[ScenePoints]:
         """The closest point of every triangle that has a point within `radius` (included), nearest first.
@@ -296,6 +343,21 @@ class Scene:
     def touches(self, other: Scene | Bvh, transform: ArrayLike | None = None) -> bool:
         """Whether there is such a pair with `other`. Stops at the first that is found."""
         return _kerf.scene_touches(self._scene, _as_scene(other), _one_map(transform))
+
+    def triangles(self, primitive: ArrayLike, mesh: ArrayLike = 0, instance: ArrayLike = 0) -> Float32:
+        """The corners of triangles by their numbers, as they stand in the scene: float32 (..., 3, 3).
+
+        primitive, mesh, instance: integers (...), as hits have them. NaN for triangles that are in no leaf, because
+        they have no area, or do not exist.
+        """
+        given = {"primitive": primitive, "mesh": mesh, "instance": instance}
+        ids = np.empty(np.broadcast_shapes(*(np.shape(value) for value in given.values())), SCENE_PRIMITIVE)
+        for name, value in given.items():
+            numbers = array_of(value, name)
+            ids[name] = numbers_of(numbers, name, numbers.shape, np.uint32).reshape(numbers.shape)
+        corners = np.full((*ids.shape, 3, 3), np.nan, np.float32)
+        _kerf.scene_triangles(self._scene, ids.reshape(-1).view(np.uint8), corners.reshape(-1))
+        return corners
 
     # What it is
 
@@ -348,6 +410,16 @@ class Scene:
     def bytes(self) -> int:
         """Of the scene itself, without its objects."""
         return self._scene.bytes()
+
+    def _accepted(self, accept: ArrayLike | None) -> npt.NDArray[np.uint8] | None:
+        if accept is None:
+            return None
+        flags = np.ascontiguousarray(accept)
+        if flags.dtype != np.bool_:
+            raise TypeError(f"accept: elements of type {flags.dtype}, where bool is needed")
+        if flags.shape != (self.instance_count,):
+            raise ValueError(f"accept: shape {flags.shape} for {self.instance_count} instances")
+        return flags.view(np.uint8)
 
     def __repr__(self) -> str:
         return f"<kerf_bvh.Scene of {self.instance_count} instances, {self.bytes} bytes>"
