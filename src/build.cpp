@@ -20,6 +20,7 @@
 #include "layout/lay_out.hpp"
 #include "local_frame.hpp"
 #include "refinement/refine.hpp"
+#include "refinement/sample_ways.hpp"
 #include "traversal/dispatch.hpp"
 
 namespace kerf {
@@ -43,7 +44,20 @@ std::shared_ptr<Structure> build_structure(std::span<const TriangleMesh> meshes,
 
 // Of the time of a build that refines, the part that its builder takes, about.
 float share_of_construction(Quality quality) {
-  return quality == Quality::high ? 0.6f : 0.1f;
+  return quality == Quality::best ? 0.1f : 0.6f;
+}
+
+// Of what is left then, the part of tracing sample rays.
+constexpr float share_of_tracing = 0.2f;
+
+// Rays in floats are good enough to tell what is visited.
+std::vector<Ray> in_frame(std::span<const Ray> rays, const Vec3d& frame) {
+  std::vector<Ray> local = pick_samples(rays);
+  for (Ray& ray : local) {
+    ray.origin = {static_cast<float>(ray.origin.x - frame.x), static_cast<float>(ray.origin.y - frame.y),
+                  static_cast<float>(ray.origin.z - frame.z)};
+  }
+  return local;
 }
 
 std::vector<std::uint32_t> masks_of(std::span<const TriangleMesh> meshes) {
@@ -57,17 +71,25 @@ std::vector<std::uint32_t> masks_of(std::span<const TriangleMesh> meshes) {
 }  // namespace
 
 BinaryTree make_tree(const Geometry& geometry, const BuildOptions& options) {
-  if (options.quality == Quality::fast) return construct(geometry, options);
-  // Either stage has a part of the progress.
-  const float share = share_of_construction(options.quality);
+  const bool has_rays = !options.sample_rays.empty();
+  if (options.quality == Quality::fast && !has_rays) return construct(geometry, options);
+  // Every stage has a part of the progress.
+  const auto part = [&](float begin, float end) -> std::function<bool(float)> {
+    if (!options.progress) return {};
+    return [&options, begin, end](float done) { return options.progress(begin + (end - begin) * done); };
+  };
+  const float constructed = share_of_construction(options.quality);
+  const float traced = has_rays ? constructed + share_of_tracing * (1.0f - constructed) : constructed;
   BuildOptions building = options;
-  std::function<bool(float)> refining;
-  if (options.progress) {
-    building.progress = [&](float done) { return options.progress(share * done); };
-    refining = [&](float done) { return options.progress(share + (1.0f - share) * done); };
-  }
+  building.progress = part(0.0f, constructed);
   BinaryTree tree = construct(geometry, building);
-  refine(tree, options, refining);
+  std::vector<Ray> ways;
+  if (has_rays) {
+    ways = on_threads(options.threads, [&] {
+      return trace_to_hits(tree, geometry, options.sample_rays, part(constructed, traced));
+    });
+  }
+  refine(tree, ways, options, part(traced, 1.0f));
   return tree;
 }
 
@@ -102,12 +124,15 @@ Bvh build(std::span<const DoubleMesh> meshes, const BuildOptions& options) {
     return on_threads(options.threads, [&] {
       check_options(options);
       const LocalFrame frame(meshes, options.non_finite);
-      const auto structure = build_structure(frame.meshes(), options);
+      BuildOptions local = options;
+      const std::vector<Ray> rays = in_frame(options.sample_rays, frame.origin());
+      local.sample_rays = rays;
+      const auto structure = build_structure(frame.meshes(), local);
       structure->origin = frame.origin();
       BvhStatistics& statistics = structure->statistics;
       if (statistics.degenerate_triangles != 0)
         statistics.degenerate_by_rounding = frame.degenerate_by_rounding();
-      statistics.build_peak_bytes += frame.bytes();
+      statistics.build_peak_bytes += frame.bytes() + rays.size() * sizeof(Ray);
       statistics.build_seconds = seconds_since(start);
       return Structure::share(structure);
     });
@@ -123,9 +148,11 @@ std::size_t build_memory_bound(std::size_t triangles, const BuildOptions& option
   // Lists of meshes and of tasks, and what allocators add to an array.
   constexpr std::size_t small_things = std::size_t{1} << 16;
   const std::size_t references = max_references(triangles, options);
+  const std::size_t ways = std::min(options.sample_rays.size(), max_sample_rays);
+  const std::size_t visits = options.sample_rays.empty() ? 0 : 2 * references * sizeof(float);
   return small_things + std::max({find_builder(options.builder)->memory_bound(triangles, options),
-                                  refinement_memory_bound(references, options),
-                                  binary_tree_bytes(references) + layout_memory_bound(references)});
+                                  refinement_memory_bound(references, ways, options),
+                                  binary_tree_bytes(references) + visits + layout_memory_bound(references)});
 }
 
 }  // namespace kerf

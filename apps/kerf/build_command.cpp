@@ -15,6 +15,8 @@
 #include "commands.hpp"
 #include "output.hpp"
 #include "workbench/compare/measures.hpp"
+#include "workbench/open/load_rays.hpp"
+#include "workbench/rays/rays.hpp"
 #include "workbench/scene/placed.hpp"
 #include "workbench/terminal/progress.hpp"
 
@@ -24,12 +26,16 @@ namespace {
 // A year: a longer time is a mistake.
 constexpr double max_seconds = 365.0 * 24.0 * 3600.0;
 
+// What --rays takes beside the name of a file.
+constexpr const char* rays_of_viewpoints = "auto";
+
 struct Options {
   std::string scene;
   std::string output;
   std::string builder = "sbvh";
   std::string quality = "fast";
   std::string seconds;
+  std::string rays;
   std::string alpha = "1e-5";
   std::string threads = "0";
   std::string format;
@@ -99,6 +105,20 @@ void save(const Hierarchy& hierarchy, const Options& options, const std::string&
   write_output(standard_output, fmt::format("{}: {}\n", options.output, description));
 }
 
+// Those of every type that other commands measure with, in smaller pictures.
+std::vector<kerf::Ray> sample_viewpoints(const workbench::Scene& scene, unsigned threads) {
+  kerf::BuildOptions plain;
+  plain.threads = threads;
+  const kerf::Bvh bvh = kerf::build(scene.mesh(), plain);
+  const workbench::RaySetOptions size = workbench::affordable(scene, bvh, {.width = 128, .height = 96});
+  std::vector<kerf::Ray> rays;
+  for (const workbench::RayType type : workbench::ray_types) {
+    const workbench::RaySet set = workbench::make_rays(scene, bvh, type, size);
+    rays.insert(rays.end(), set.rays.begin(), set.rays.end());
+  }
+  return rays;
+}
+
 void run(const Options& options) {
   workbench::ProgressBar bar;
   kerf::BuildOptions build;
@@ -114,15 +134,24 @@ void run(const Options& options) {
   };
   check_output(options.output);
   require_writable(options.output);
+  std::vector<kerf::Ray> rays;
+  if (!options.rays.empty() && options.rays != rays_of_viewpoints) rays = workbench::load_rays(options.rays);
   const workbench::Scene scene =
       std::move(load_scenes({options.scene}, options.format, workbench::Repeats::kept).front());
   if (scene.placed) {
+    if (!options.rays.empty())
+      throw kerf::Error(kerf::Error::invalid_argument,
+                        scene.name + ": --rays is for one mesh, and this is a scene of instances");
     std::string description;
     const kerf::Scene places =
         name_errors(scene, [&] { return build_places(*scene.placed, build, description); });
     return save(places, options, description, bar);
   }
-  const kerf::Bvh bvh = name_errors(scene, [&] { return kerf::build(scene.mesh(), build); });
+  const kerf::Bvh bvh = name_errors(scene, [&] {
+    if (options.rays == rays_of_viewpoints) rays = sample_viewpoints(scene, build.threads);
+    build.sample_rays = rays;
+    return kerf::build(scene.mesh(), build);
+  });
   save(bvh, options, describe(bvh.statistics()), bar);
 }
 
@@ -146,6 +175,13 @@ void add_build_command(CLI::App& app) {
       ->add_option("--seconds", options->seconds,
                    "Improve the tree for so long at most; it then depends on the speed of the machine")
       ->type_name("S");
+  command
+      ->add_option(
+          "--rays", options->rays,
+          "Make the tree for rays such as these: a text file with origin and direction on each line, "
+          "or auto for rays from the scene's viewpoints")
+      ->check(names_a_file())
+      ->type_name("FILE|auto");
   command->add_option("--alpha", options->alpha, "Overlap above which a spatial split is tried, from 0 to 1")
       ->type_name("A")
       ->capture_default_str();

@@ -207,7 +207,7 @@ void Collapse::solve(std::uint32_t node, std::uint32_t end, Costs& costs) {
 void Collapse::solve_leaf(std::uint32_t node, Costs& costs) {
   const BinaryNode& binary = tree_->nodes[node];
   const float cost =
-      half_area(binary.bounds) * (costs_.leaf + costs_.triangle * static_cast<float>(binary.count));
+      visits(node) * (costs_.leaf + costs_.triangle * static_cast<float>(binary.count));
   std::fill_n(costs.of, width_, cost);
   costs.references = binary.count;
   costs.leaves = 1;
@@ -225,7 +225,7 @@ void Collapse::combine(std::uint32_t node, const Costs& left, const Costs& right
     const auto max_share = static_cast<std::int32_t>(std::min(width_ - 1, left.leaves));
     distribute_(left.of, max_share, right.of, best);
   }
-  const float area = half_area(tree_->nodes[node].bounds);
+  const float area = visits(node);
   costs.references = left.references + right.references;
   costs.leaves = left.leaves + right.leaves;
   std::uint64_t decision = size_bits(costs.references);

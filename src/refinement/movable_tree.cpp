@@ -3,18 +3,27 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/parallel.hpp"
+
 namespace kerf {
 
-MovableTree::MovableTree(BinaryTree& tree)
+MovableTree::MovableTree(BinaryTree& tree, const RayFlux* flux)
     : tree_(tree),
+      flux_(flux),
       parents_(tree.nodes.size() / 2),
       references_(tree.nodes.size()),
-      heights_(tree.nodes.size()) {
+      heights_(tree.nodes.size()),
+      measures_(flux != nullptr ? tree.nodes.size() : 0) {
   static_assert(max_tree_depth < 256);
   for (std::uint32_t n = node_count(); n-- > 0;) {  // children come after their parents
     if (!node(n).is_leaf()) parents_[pair_of(node(n).left())] = n;
     summarize(n);
   }
+  parallel_for_ranges(std::size_t{0}, measures_.size(), std::size_t{1024},
+                      [&](const IndexRange<std::size_t>& range) {
+                        for (std::size_t n = range.begin(); n < range.end(); ++n)
+                          measures_[n] = measure(tree_.nodes[n].bounds);
+                      });
 }
 
 bool MovableTree::is_below(std::uint32_t n, std::uint32_t ancestor) const {
@@ -37,11 +46,12 @@ bool MovableTree::can_move(std::uint32_t n, std::uint32_t target) const {
 std::uint32_t MovableTree::move(std::uint32_t n, std::uint32_t target) {
   const std::uint32_t place = parent(n), left = std::min(n, sibling(n));
   const BinaryNode moved = node(n);
-  put(place, node(sibling(n)));
+  const float measure_of_moved = measure_of(n);
+  put(place, node(sibling(n)), measure_of(sibling(n)));
   fit_upwards(parent(place));
   // The pair of siblings is free now.
-  put(left, node(target));
-  put(left + 1, moved);
+  put(left, node(target), measure_of(target));
+  put(left + 1, moved, measure_of_moved);
   BinaryNode& inner = tree_.nodes[target];
   inner.first = left;
   inner.count = 0;
@@ -50,8 +60,9 @@ std::uint32_t MovableTree::move(std::uint32_t n, std::uint32_t target) {
   return place;
 }
 
-void MovableTree::put(std::uint32_t place, const BinaryNode& content) {
+void MovableTree::put(std::uint32_t place, const BinaryNode& content, float measure) {
   tree_.nodes[place] = content;
+  if (flux_ != nullptr) measures_[place] = measure;
   if (!content.is_leaf()) parents_[pair_of(content.left())] = place;
   summarize(place);
 }
@@ -67,7 +78,9 @@ void MovableTree::summarize(std::uint32_t n) {
 void MovableTree::fit_upwards(std::uint32_t n) {
   for (;; n = parent(n)) {
     BinaryNode& inner = tree_.nodes[n];
-    inner.bounds = merge(box(inner.left()), box(inner.right()));
+    const Box3f bounds = merge(box(inner.left()), box(inner.right()));
+    if (flux_ != nullptr && bounds != inner.bounds) measures_[n] = measure(bounds);
+    inner.bounds = bounds;
     summarize(n);
     if (n == 0) return;
   }

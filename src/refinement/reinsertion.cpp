@@ -22,8 +22,8 @@ constexpr std::size_t searches_per_task = 256;
 
 }  // namespace
 
-Reinsertion::Reinsertion(BinaryTree& tree, const ReinsertionCosts& costs)
-    : tree_(tree), costs_(costs), cost_(cost()) {}
+Reinsertion::Reinsertion(BinaryTree& tree, const RayFlux* flux, const ReinsertionCosts& costs)
+    : tree_(tree, flux), costs_(costs), cost_(cost()) {}
 
 double Reinsertion::improve(double fraction, const std::function<bool(double)>& may_go_on) {
   const std::vector<std::uint32_t> nodes = largest(fraction);
@@ -54,7 +54,7 @@ std::vector<std::uint32_t> Reinsertion::largest(double fraction) const {
   if (count >= nodes.size()) return nodes;
   std::nth_element(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(count), nodes.end(),
                    [&](std::uint32_t a, std::uint32_t b) {
-                     const float area_a = half_area(tree_.box(a)), area_b = half_area(tree_.box(b));
+                     const float area_a = tree_.measure_of(a), area_b = tree_.measure_of(b);
                      return area_a != area_b ? area_a > area_b : a < b;
                    });
   nodes.resize(count);
@@ -71,7 +71,7 @@ Reinsertion::Move Reinsertion::find_best_place(std::uint32_t node) const {
   const std::uint32_t parent = tree_.parent(node);
   if (parent == 0) return best;
   const Box3f& box = tree_.box(node);
-  const float area = half_area(box);
+  const float area = tree_.measure_of(node);
 
   struct Subtree {
     float gain;  // of what is done before its root is reached
@@ -81,7 +81,7 @@ Reinsertion::Move Reinsertion::find_best_place(std::uint32_t node) const {
   std::array<Subtree, max_visits + 2> stack;
   std::uint32_t visits = 0;
   Box3f rest;  // of what lies below `above` without the node
-  float gain = half_area(tree_.box(parent));
+  float gain = tree_.measure_of(parent);
   for (std::uint32_t above = parent, beside = tree_.sibling(node);;) {
     std::size_t count = 0;
     stack[count++] = {gain, beside};
@@ -91,17 +91,17 @@ Reinsertion::Move Reinsertion::find_best_place(std::uint32_t node) const {
       if (!(subtree.gain - area > best.gain)) continue;
       if (++visits > max_visits) return best;
       const BinaryNode& root = tree_.node(subtree.root);
-      const float place_gain = subtree.gain - half_area(merge(root.bounds, box));
+      const float place_gain = subtree.gain - tree_.measure(merge(root.bounds, box));
       if (place_gain > best.gain && subtree.root != tree_.sibling(node))
         best = {place_gain, node, subtree.root};
-      const float gain_below = place_gain + half_area(root.bounds);
+      const float gain_below = place_gain + tree_.measure_of(subtree.root);
       if (!root.is_leaf() && gain_below - area > best.gain) {
         stack[count++] = {gain_below, root.right()};
         stack[count++] = {gain_below, root.left()};
       }
     }
     rest = merge(rest, tree_.box(beside));
-    if (above != parent) gain += half_area(tree_.box(above)) - half_area(rest);
+    if (above != parent) gain += tree_.measure_of(above) - tree_.measure(rest);
     if (above == 0) return best;
     beside = tree_.sibling(above);
     above = tree_.parent(above);
@@ -129,9 +129,9 @@ bool Reinsertion::is_inner(std::uint32_t node) const {
 // Of an inner node and of the leaves of the layout that are its children.
 double Reinsertion::cost_at(std::uint32_t node) const {
   if (!is_inner(node)) return 0.0;
-  double cost = half_area(tree_.box(node));
+  double cost = tree_.measure_of(node);
   for (const std::uint32_t child : {tree_.node(node).left(), tree_.node(node).right()}) {
-    if (!is_inner(child)) cost += costs_.leaf * half_area(tree_.box(child));
+    if (!is_inner(child)) cost += costs_.leaf * tree_.measure_of(child);
   }
   return cost;
 }

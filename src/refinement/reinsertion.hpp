@@ -6,11 +6,14 @@
 #include <functional>
 #include <vector>
 
+#include "math/box3f.hpp"
 #include "refinement/movable_tree.hpp"
+#include "refinement/ray_flux.hpp"
 
 namespace kerf {
 
-/// What a tree is expected to cost once it is laid out, in half areas: an inner node of more references than
+/// What a tree is expected to cost once it is laid out, in measures of boxes (half areas, or the rays that
+/// meet them): an inner node of more references than
 /// a leaf of the layout has counts once, and a leaf of the layout, which is the largest subtree of no more,
 /// `leaf_cost` times. What lies within such a leaf costs nothing, since its triangles are tested together.
 struct ReinsertionCosts {
@@ -23,8 +26,9 @@ struct ReinsertionCosts {
 /// tree for any number of threads.
 class Reinsertion {
  public:
-  /// `tree` must not be empty and must outlive this.
-  explicit Reinsertion(BinaryTree& tree, const ReinsertionCosts& costs = {});
+  /// `tree` must not be empty and must outlive this, and so must `flux`, which measures boxes in place of
+  /// half their areas if it is not null.
+  explicit Reinsertion(BinaryTree& tree, const RayFlux* flux = nullptr, const ReinsertionCosts& costs = {});
 
   /// Tries to move every subtree, or only this fraction of them: those with the largest boxes. On all threads
   /// of the task arena that this is called in. Asks `may_go_on` after every few thousand searches, with the
@@ -33,8 +37,8 @@ class Reinsertion {
   double improve(double fraction, const std::function<bool(double)>& may_go_on);
 
   /// The memory for a tree of so many nodes, that of the tree not counted.
-  static constexpr std::size_t bytes(std::size_t nodes, double fraction) {
-    return MovableTree::bytes(nodes) + nodes * sizeof(std::uint32_t) +
+  static constexpr std::size_t bytes(std::size_t nodes, double fraction, bool has_flux) {
+    return MovableTree::bytes(nodes, has_flux) + nodes * sizeof(std::uint32_t) +
            static_cast<std::size_t>(fraction * static_cast<double>(nodes)) * sizeof(Move);
   }
 

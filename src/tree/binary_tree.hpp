@@ -27,13 +27,18 @@ struct BinaryTree {
   /// Triangles were divided only in nodes of at least this many references: below a node of fewer, no
   /// triangle has two references. 0 where this is not known.
   std::uint32_t min_divided_count = 0;
+
+  /// How often each node is expected to be visited, where the rays to come are known; else none, and half the
+  /// area of its box stands for it.
+  UninitializedVector<float> visits = {};
   std::size_t build_peak_bytes = 0;  ///< the maximum that the builder held, this tree included
 
   bool empty() const { return nodes.empty(); }
 
   /// The memory of the arrays.
   std::size_t bytes() const {
-    return nodes.capacity() * sizeof(BinaryNode) + references.capacity() * sizeof(std::uint32_t);
+    return nodes.capacity() * sizeof(BinaryNode) + references.capacity() * sizeof(std::uint32_t) +
+           visits.capacity() * sizeof(float);
   }
 };
 

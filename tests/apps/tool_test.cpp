@@ -144,6 +144,23 @@ TEST(Tool, BadInputIsStatusOneAndOneLineThatNamesTheFile) {
   }
 }
 
+TEST(Tool, MakesATreeForRaysOfAFileOrOfTheViewpoints) {
+  const TemporaryDirectory directory;
+  write_bytes(directory.file("down.txt"), "0 0 9 0 0 -1\n1,1,9, 0,0,-1, 20\n");
+  for (const std::string& rays : {std::string("auto"), directory.file("down.txt")}) {
+    const Outcome outcome =
+        run_tool("build " + small + " -o " + directory.file("a.kerf") + " --rays " + rays);
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    EXPECT_EQ(run_tool("info " + directory.file("a.kerf")).status, 0);
+  }
+  write_bytes(directory.file("short.txt"), "0 0 9\n");
+  const Outcome outcome = run_tool("build " + small + " -o " + directory.file("b.kerf") + " --rays " +
+                                   directory.file("short.txt"));
+  EXPECT_EQ(outcome.status, 1);
+  expect_one_line_about(outcome.errors, "short.txt: line 1");
+  EXPECT_FALSE(std::filesystem::exists(directory / "b.kerf"));
+}
+
 TEST(Tool, SaysBeforeLongWorkThatOutputCannotBeWritten) {
   // The scenes do not exist: had they been looked at first, the line would name them.
   for (const std::string arguments :

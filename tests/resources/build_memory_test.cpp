@@ -9,6 +9,7 @@
 #include "support/random_triangles.hpp"
 #include "workbench/generate/solids.hpp"
 #include "workbench/open/load_scene.hpp"
+#include "workbench/rays/rays.hpp"
 
 namespace kerf {
 namespace {
@@ -61,6 +62,19 @@ TEST(BuildMemory, PeakOfARefinementIsAsReported) {
     for (const std::uint32_t leaf : {1u, 8u}) {
       SCOPED_TRACE(testing::Message() << "quality " << static_cast<int>(quality) << ", leaf " << leaf);
       expect_honest(atrium.mesh(), {.quality = quality, .max_leaf_size = leaf});
+    }
+  }
+}
+
+TEST(BuildMemory, PeakOfABuildForSampleRaysIsAsReported) {
+  const workbench::Scene atrium = workbench::load_scene("atrium:detail=0.03,rotate=30");
+  const Bvh bvh = build(atrium.mesh());
+  const workbench::RaySet set =
+      workbench::make_rays(atrium, bvh, workbench::RayType::primary, {.width = 128, .height = 96});
+  for (const Quality quality : {Quality::fast, Quality::high}) {
+    for (const std::uint32_t leaf : {1u, 8u}) {
+      SCOPED_TRACE(testing::Message() << "quality " << static_cast<int>(quality) << ", leaf " << leaf);
+      expect_honest(atrium.mesh(), {.quality = quality, .sample_rays = set.rays, .max_leaf_size = leaf});
     }
   }
 }

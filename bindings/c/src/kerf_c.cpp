@@ -180,6 +180,9 @@ kerf::BuildOptions to_options(const kerf_build_options* given) {
   result.threads = options.threads;
   result.non_finite = static_cast<kerf::NonFinite>(options.non_finite);
   result.presplit_references = options.presplit_references;
+  if (options.sample_rays == nullptr && options.sample_ray_count != 0)
+    refuse("there are no sample_rays where sample_ray_count says that there are");
+  result.sample_rays = {as<const kerf::Ray>(options.sample_rays), options.sample_ray_count};
   if (options.progress != nullptr) {
     result.progress = [call = options.progress, context = options.context](float fraction) {
       return call(context, fraction) != 0;

@@ -802,6 +802,12 @@ TEST_F(CInterface, WhatCannotBeRightIsRefusedWithASentence) {
   options.max_refinement_seconds = 1.0;
   ASSERT_EQ(kerf_build(&mesh, 1, &options, &bvh), KERF_OK) << kerf_last_error();
   kerf_bvh_release(bvh);
+  options.sample_ray_count = 1;
+  EXPECT_EQ(kerf_build(&mesh, 1, &options, &bvh), KERF_INVALID_ARGUMENT);
+  const kerf_ray down{{0.2f, 0.2f, 1.0f}, {0.0f, 0.0f, -1.0f}, 0.0f, 2.0f};
+  options.sample_rays = &down;
+  ASSERT_EQ(kerf_build(&mesh, 1, &options, &bvh), KERF_OK) << kerf_last_error();
+  kerf_bvh_release(bvh);
   options = KERF_BUILD_OPTIONS_INIT;
   options.progress = [](void*, float) { return 0; };
   EXPECT_EQ(kerf_build(&mesh, 1, &options, &bvh), KERF_CANCELLED);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <mutex>
+#include <span>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -22,6 +23,14 @@ namespace {
 
 /// Rows of three, their numbers beside each other: floats or doubles, 32-bit or 64-bit indices.
 using Rows = nb::ndarray<nb::ro, nb::shape<-1, 3>, nb::device::cpu>;
+
+/// Rays as `Ray` holds them, one a row: origin, direction, t_min, t_max.
+using RayRows = nb::ndarray<const float, nb::shape<-1, 8>, nb::c_contig, nb::device::cpu>;
+
+std::span<const Ray> rays_of(const RayRows& rows) {
+  static_assert(sizeof(Ray) == 8 * sizeof(float));
+  return {reinterpret_cast<const Ray*>(rows.data()), rows.shape(0)};
+}
 
 template <class Scalar>
 TripleView<Scalar> triples_of(const Rows& rows) {
@@ -150,10 +159,12 @@ Quality quality_named(std::string_view name) {
 
 BuildOptions options_of(std::string_view builder, std::string_view quality, double max_refinement_seconds,
                         float alpha, float max_reference_ratio, unsigned max_leaf_size, unsigned threads,
-                        bool skip_non_finite, std::size_t presplit_references) {
+                        bool skip_non_finite, std::size_t presplit_references,
+                        std::span<const Ray> sample_rays) {
   return {.builder = builder_named(builder),
           .quality = quality_named(quality),
           .max_refinement_seconds = max_refinement_seconds,
+          .sample_rays = sample_rays,
           .alpha = alpha,
           .max_reference_ratio = max_reference_ratio,
           .max_leaf_size = max_leaf_size,
@@ -179,12 +190,12 @@ Hierarchy* build(const std::vector<Rows>& vertices, const std::vector<Rows>& fac
                  const std::vector<std::uint32_t>& masks, const std::string& builder,
                  const std::string& quality, double max_refinement_seconds, float alpha,
                  float max_reference_ratio, unsigned max_leaf_size, unsigned threads, bool skip_non_finite,
-                 std::size_t presplit_references, const nb::object& progress) {
+                 std::size_t presplit_references, const RayRows& sample_rays, const nb::object& progress) {
   const Meshes meshes(vertices, faces, masks);
   Bvh bvh;
   run(meshes,
       options_of(builder, quality, max_refinement_seconds, alpha, max_reference_ratio, max_leaf_size, threads,
-                 skip_non_finite, presplit_references),
+                 skip_non_finite, presplit_references, rays_of(sample_rays)),
       progress, [&](const BuildOptions& options) { bvh = meshes.build(options); });
   return new Hierarchy(std::move(bvh));
 }
@@ -192,12 +203,13 @@ Hierarchy* build(const std::vector<Rows>& vertices, const std::vector<Rows>& fac
 nb::tuple refit(Hierarchy& hierarchy, const std::vector<Rows>& vertices, const std::vector<Rows>& faces,
                 const std::string& builder, const std::string& quality, double max_refinement_seconds,
                 float alpha, float max_reference_ratio, unsigned max_leaf_size, unsigned threads,
-                bool skip_non_finite, std::size_t presplit_references, const nb::object& progress) {
+                bool skip_non_finite, std::size_t presplit_references, const RayRows& sample_rays,
+                const nb::object& progress) {
   const Meshes meshes(vertices, faces, std::vector<std::uint32_t>(vertices.size(), Mask{}.bits));
   RefitReport report;
   run(meshes,
       options_of(builder, quality, max_refinement_seconds, alpha, max_reference_ratio, max_leaf_size, threads,
-                 skip_non_finite, presplit_references),
+                 skip_non_finite, presplit_references, rays_of(sample_rays)),
       progress, [&](const BuildOptions& options) { report = hierarchy.refit(meshes.floats, options); });
   return nb::make_tuple(report.cost_ratio, report.rebuilt);
 }
@@ -207,7 +219,7 @@ nb::tuple measure(const std::vector<Rows>& vertices, const std::vector<Rows>& fa
                   float max_reference_ratio, unsigned max_leaf_size, unsigned threads) {
   const Meshes meshes(vertices, faces, std::vector<std::uint32_t>(vertices.size(), Mask{}.bits));
   const BuildOptions options = options_of(builder, quality, std::numeric_limits<double>::infinity(), alpha,
-                                          max_reference_ratio, max_leaf_size, threads, false, 0);
+                                          max_reference_ratio, max_leaf_size, threads, false, 0, {});
   struct Measures {
     TreeCounts counts;
     double sah, epo, lcv;
@@ -227,11 +239,13 @@ void add_build(nb::module_& module) {
   module.def("build", &build, nb::arg("vertices").noconvert(), nb::arg("faces").noconvert(), nb::arg("masks"),
              nb::arg("builder"), nb::arg("quality"), nb::arg("max_refinement_seconds"), nb::arg("alpha"),
              nb::arg("max_reference_ratio"), nb::arg("max_leaf_size"), nb::arg("threads"),
-             nb::arg("skip_non_finite"), nb::arg("presplit_references"), nb::arg("progress").none());
+             nb::arg("skip_non_finite"), nb::arg("presplit_references"), nb::arg("sample_rays"),
+             nb::arg("progress").none());
   module.def("refit", &refit, nb::arg("bvh"), nb::arg("vertices").noconvert(), nb::arg("faces").noconvert(),
              nb::arg("builder"), nb::arg("quality"), nb::arg("max_refinement_seconds"), nb::arg("alpha"),
              nb::arg("max_reference_ratio"), nb::arg("max_leaf_size"), nb::arg("threads"),
-             nb::arg("skip_non_finite"), nb::arg("presplit_references"), nb::arg("progress").none());
+             nb::arg("skip_non_finite"), nb::arg("presplit_references"), nb::arg("sample_rays"),
+             nb::arg("progress").none());
   module.def("measure", &measure);
   module.def(
       "build_memory_bound", [](std::size_t triangles, const std::string& builder, float max_reference_ratio) {

@@ -65,7 +65,13 @@ def test_better_trees_cost_less_and_give_the_same_hits():
     assert costs["best"] < costs["high"] < costs["fast"]
     origins, directions = rng.random((500, 3)), rng.random((500, 3)) - 0.5
     fast = kerf_bvh.Bvh(corners).intersect(origins, directions)
-    for options in ({"quality": "high"}, {"quality": "best"}, {"quality": "best", "max_refinement_seconds": 0.0}):
+    for options in (
+        {"quality": "high"},
+        {"quality": "best"},
+        {"quality": "best", "max_refinement_seconds": 0.0},
+        {"sample_rays": (origins, directions)},
+        {"quality": "best", "sample_rays": (origins, directions.astype(np.float32), 2.0)},
+    ):
         other = kerf_bvh.Bvh(corners, **options).intersect(origins, directions)
         assert np.array_equal(other.t, fast.t) and np.array_equal(other.primitive, fast.primitive)
 
@@ -80,6 +86,10 @@ def test_options_that_cannot_be_right_are_refused():
         ({"max_leaf_size": -1}, "max_leaf_size"),
         ({"max_reference_ratio": 0.5}, "max_reference_ratio"),
         ({"threads": -1}, "threads"),
+        ({"sample_rays": np.zeros((4, 6))}, "sample_rays: a tuple of origins and directions"),
+        ({"sample_rays": (np.zeros((4, 3)), np.zeros((5, 3)))}, "sample_rays: 4 origins for 5 directions"),
+        ({"sample_rays": (np.zeros((4, 3)), np.zeros((4, 2)))}, "sample_rays: directions: shape"),
+        ({"sample_rays": (np.zeros((4, 3)), np.zeros((4, 3)), np.zeros(3))}, "sample_rays: 3 t_max for 4 rays"),
     ]:
         with pytest.raises(ValueError, match=sentence):
             kerf_bvh.Bvh(support.CUBE_VERTICES, support.CUBE_FACES, **options)

@@ -169,9 +169,14 @@ typedef struct kerf_build_options {
   double max_refinement_seconds; /* KERF_HIGH and KERF_BEST end after this time; 0: no limit */
   int32_t quality;               /* kerf_quality */
   int32_t unused;                /* 0 */
+  const kerf_ray* sample_rays;   /* such as will be traced: the tree is made for them; may be null */
+  size_t sample_ray_count;
 } kerf_build_options;
-#define KERF_BUILD_OPTIONS_INIT \
-  { sizeof(kerf_build_options), KERF_SBVH, 1e-5f, 1.5f, 8, 0, KERF_REFUSE, 0, NULL, NULL, 0.0, KERF_FAST, 0 }
+#define KERF_BUILD_OPTIONS_INIT                                                                              \
+  {                                                                                                          \
+    sizeof(kerf_build_options), KERF_SBVH, 1e-5f, 1.5f, 8, 0, KERF_REFUSE, 0, NULL, NULL, 0.0, KERF_FAST, 0, \
+        NULL, 0                                                                                              \
+  }
 
 typedef struct kerf_bvh kerf_bvh;
 

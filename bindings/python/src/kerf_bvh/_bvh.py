@@ -69,6 +69,9 @@ class BuildOptions(TypedDict, total=False):
     """In [1, 8], 8: at most so many references in a leaf."""
     presplit_references: int
     """For "esc" and "evh": how many references splitting before the build may make; 0 as max_reference_ratio."""
+    sample_rays: tuple[ArrayLike, ArrayLike] | tuple[ArrayLike, ArrayLike, ArrayLike]
+    """Origins and directions of rays such as will be traced, and where they end (t_max) if not at what they hit,
+    as `intersect` takes them: the tree is made for these. A few thousand say most."""
     skip_non_finite: bool
     """False: triangles with vertices that are not finite are refused; True: left out and counted."""
     threads: int
@@ -90,6 +93,29 @@ def _meshes(meshes: Sequence[Mesh], names: Sequence[str]) -> tuple[list[npt.NDAr
     return vertices, faces
 
 
+def _ray_rows(rays: tuple[ArrayLike, ...]) -> Float32:
+    """Origin, direction, t_min and t_max of each ray."""
+    if not isinstance(rays, tuple) or len(rays) not in (0, 2, 3):
+        raise ValueError("sample_rays: a tuple of origins and directions, and perhaps t_max, is needed")
+    if not rays:
+        return np.empty((0, 8), np.float32)
+    origins, directions = (
+        rounded(triples_of(value, f"sample_rays: {name}").reshape(-1, 3))
+        for value, name in zip(rays, ("origins", "directions"))
+    )
+    if len(origins) != len(directions):
+        raise ValueError(f"sample_rays: {len(origins)} origins for {len(directions)} directions")
+    rows = np.empty((len(origins), 8), np.float32)
+    rows[:, 0:3], rows[:, 3:6] = origins, directions
+    rows[:, 6], rows[:, 7] = 0.0, np.inf
+    if len(rays) == 3:
+        t_max = rounded(array_of(rays[2], "sample_rays: t_max").reshape(-1))
+        if len(t_max) not in (1, len(rows)):
+            raise ValueError(f"sample_rays: {len(t_max)} t_max for {len(rows)} rays")
+        rows[:, 7] = t_max
+    return rows
+
+
 def _options(
     *,
     builder: str = "sbvh",
@@ -99,10 +125,11 @@ def _options(
     max_reference_ratio: float = 1.5,
     max_leaf_size: int = 8,
     presplit_references: int = 0,
+    sample_rays: tuple[ArrayLike, ...] = (),
     skip_non_finite: bool = False,
     threads: int = 0,
     progress: Callable[[float], object] | None = None,
-) -> tuple[str, str, float, float, float, int, int, bool, int, Callable[[float], object] | None]:
+) -> tuple[str, str, float, float, float, int, int, bool, int, Float32, Callable[[float], object] | None]:
     """The options as the extension takes them."""
     for name_of, value in (("max_leaf_size", max_leaf_size), ("presplit_references", presplit_references)):
         if not 0 <= value < 1 << 31:
@@ -117,6 +144,7 @@ def _options(
         check_threads(threads),
         skip_non_finite,
         presplit_references,
+        _ray_rows(sample_rays),
         progress,
     )
 

@@ -36,6 +36,7 @@ def build(
     threads: int,
     skip_non_finite: bool,
     presplit_references: int,
+    sample_rays: npt.NDArray[np.float32],
     progress: Callable[[float], object] | None,
 ) -> Bvh: ...
 def refit(
@@ -51,6 +52,7 @@ def refit(
     threads: int,
     skip_non_finite: bool,
     presplit_references: int,
+    sample_rays: npt.NDArray[np.float32],
     progress: Callable[[float], object] | None,
 ) -> tuple[float, bool]: ...
 def measure(
