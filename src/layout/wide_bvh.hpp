@@ -63,8 +63,11 @@ inline float largest_coordinate(const Box3f& bounds) {
 }
 
 /// The nine rows of a leaf's coordinates, `leaf.count()` floats each.
+inline const std::uint32_t* leaf_words(const WideBvh& bvh, ChildLink leaf) {
+  return bvh.leaves.data() + words_per_triangle * leaf.first();
+}
 inline const float* leaf_rows(const WideBvh& bvh, ChildLink leaf) {
-  return reinterpret_cast<const float*>(bvh.leaves.data() + words_per_triangle * leaf.first());
+  return reinterpret_cast<const float*>(leaf_words(bvh, leaf));
 }
 
 inline Triangle triangle_in(const WideBvh& bvh, ChildLink leaf, std::uint32_t i) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <random>
@@ -87,6 +88,44 @@ TEST(Tracing, CoincidentTrianglesAreHitAtTheLowestNumber) {
   const std::vector<std::uint32_t> once = soup.triangles;
   for (int copy = 0; copy < 6; ++copy) soup.triangles.insert(soup.triangles.end(), once.begin(), once.end());
   expect_brute_force_hits(soup, rays_at(soup, random, 1500, 2.0f));
+}
+
+// Equal corners in equal order are told apart by numbers alone, others by what t is.
+TEST(Tracing, HeapsOfTrianglesInAnyOrderOfCornersAreHitAtTheLowestNumber) {
+  std::mt19937 random(11);
+  TriangleSoup soup = random_soup(random, 5, 0.8f, 1.0f);
+  soup.vertices[0].x = 0.0f;
+  const std::vector<Vec3f> corners = soup.vertices;
+  const std::vector<std::uint32_t> once = soup.triangles;
+  const std::size_t count = once.size() / 3;
+  // Another zero is another triangle for those who compare bits.
+  const auto twin = static_cast<std::uint32_t>(soup.vertices.size());
+  soup.vertices.push_back({-0.0f, corners[0].y, corners[0].z});
+  soup.triangles.clear();
+  for (int copy = 0; copy < 300; ++copy) {
+    std::array<std::uint32_t, 3> triangle;
+    std::copy_n(once.begin() + static_cast<std::ptrdiff_t>(3 * (random() % count)), 3, triangle.begin());
+    for (unsigned turns = random() % 3; turns > 0; --turns)
+      std::rotate(triangle.begin(), triangle.begin() + 1, triangle.end());
+    if (random() % 4 == 0) std::swap(triangle[0], triangle[1]);
+    for (std::uint32_t& corner : triangle) {
+      if (corner == 0 && random() % 2 == 0) corner = twin;
+    }
+    soup.triangles.insert(soup.triangles.end(), triangle.begin(), triangle.end());
+  }
+  const std::vector<Ray> rays = rays_at(soup, random, 1024, 2.0f);
+  expect_brute_force_hits(soup, rays);
+  // Once more as a span of rays that keep together, which packets trace.
+  const Vec3f target = (1.0f / 3.0f) * (corners[0] + corners[1] + corners[2]);
+  std::vector<Ray> beam;
+  for (int i = 0; i < 1024; ++i) {
+    const Vec3f to = target + 0.02f * random_point(random, 1.0f);
+    beam.push_back({.origin = {0.1f, 0.2f, 3.0f}, .direction = to - Vec3f{0.1f, 0.2f, 3.0f}});
+  }
+  std::vector<kerf::Hit> hits(beam.size());
+  kerf::build(soup.mesh()).intersect(beam, hits);
+  for (std::size_t i = 0; i < beam.size(); ++i)
+    ASSERT_EQ(hits[i], brute_force(soup.mesh(), beam[i]).value_or(kerf::Hit{})) << i;
 }
 
 TEST(Tracing, HugeAndTinyScenesAreHitLikeAnyOther) {

@@ -146,11 +146,17 @@ RaySet make_rays(const Traced& traced, RayType type, const RaySetOptions& option
 RaySetOptions affordable(const Scene& scene, const Bvh& bvh, const RaySetOptions& options,
                          std::uint64_t max_visits) {
   constexpr RaySetOptions probe{.width = 32, .height = 24};
+  // Triangles that a ray meets at the same t are told apart in double precision.
+  constexpr std::uint64_t visits_per_tie = 16;
   TraversalCounters counters;
-  std::size_t traced = 0;
-  const auto visits = [&] { return counters.steps + counters.triangle_tests; };
+  std::size_t traced = 0, ties = 0;
+  const auto visits = [&] { return counters.steps + counters.triangle_tests + visits_per_tie * ties; };
   for (const Ray& ray : primary_rays(scene, probe).rays) {
-    intersect(bvh, ray, counters);
+    if (const auto hit = intersect(bvh, ray, counters)) {
+      Ray there = ray;
+      there.t_min = there.t_max = hit->t;
+      ties += std::max<std::size_t>(bvh.all_hits(there, std::span<Hit>()), 1) - 1;
+    }
     ++traced;
     if (visits() > max_visits / 4) break;
   }

@@ -176,6 +176,26 @@ TEST(Rays, AreFewerWhereEachTestsEveryTriangle) {
   EXPECT_GE(given.width, 8u);
   EXPECT_EQ(affordable(heaped, bvh, asked, 100'000), given) << "it counts and does not time";
 }
+TEST(Rays, AreFewerStillWhereEachMeetsEveryTriangleAtTheSameDistance) {
+  constexpr int count = 64;
+  Scene equal{.name = "heap", .vertices = {}, .triangles = {}, .viewpoints = {}}, layered = equal;
+  for (int i = 0; i < count; ++i) {
+    const auto first = static_cast<std::uint32_t>(3 * i);
+    for (Scene* scene : {&equal, &layered}) {
+      const float z = scene == &equal ? 1.0f : 1.0f + 1e-3f * static_cast<float>(i);
+      scene->vertices.insert(scene->vertices.end(), {{-9, -9, z}, {9, -9, z}, {0, 18, z}});
+      scene->triangles.push_back({first, first + 1, first + 2});
+    }
+  }
+  equal.viewpoints = layered.viewpoints = {{.position = {0, 0, 0}, .target = {0, 0, 1}, .up = {0, 1, 0}}};
+  const RaySetOptions asked{.width = 64, .height = 48};
+  const auto given = [&](const Scene& scene) {
+    const RaySetOptions pixels = affordable(scene, build(scene.mesh()), asked, 400'000);
+    return pixels.width * pixels.height;
+  };
+  EXPECT_EQ(given(layered), asked.width * asked.height);
+  EXPECT_LT(given(equal), asked.width * asked.height);
+}
 
 }  // namespace
 }  // namespace workbench
