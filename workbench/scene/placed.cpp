@@ -1,7 +1,13 @@
 #include "workbench/scene/placed.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <unordered_map>
+
+#include <kerf/layout.hpp>
+
+#include "workbench/base/vectors.hpp"
 
 namespace workbench {
 
@@ -16,6 +22,31 @@ Vec3f moved(const Transform& transform, const Vec3f& p) {
     to[i] = static_cast<float>(row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3]);
   }
   return to;
+}
+
+// Around all that stands in `box` before it is moved, and rounding.
+Box3f around_moved(const Transform& transform, const Box3f& box) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  Box3f around;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3f p{(corner & 1) != 0 ? box.upper.x : box.lower.x,
+                  (corner & 2) != 0 ? box.upper.y : box.lower.y,
+                  (corner & 4) != 0 ? box.upper.z : box.lower.z};
+    around = merge(around, moved(transform, p));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    around.lower[axis] = std::nextafter(around.lower[axis], -infinity);
+    around.upper[axis] = std::nextafter(around.upper[axis], infinity);
+  }
+  return around;
+}
+
+std::vector<Vec3f> corners_of(const Bvh& bvh) {
+  std::vector<Vec3f> corners;
+  visit_triangles(layout(bvh), [&](std::uint32_t, const Triangle& triangle) {
+    corners.insert(corners.end(), {triangle.v0, triangle.v1, triangle.v2});
+  });
+  return corners;
 }
 
 }  // namespace
@@ -55,6 +86,21 @@ kerf::Scene build_scene(const PlacedMeshes& placed, const std::vector<Bvh>& obje
   for (const auto& [mesh, transform] : placed.places)
     instances.push_back({.object = objects[mesh], .transform = transform});
   return build(std::span<const Instance>(instances), options);
+}
+
+Box3f bounds_of(const PlacedMeshes& placed, const std::vector<Bvh>& objects) {
+  std::vector<std::vector<Vec3f>> corners(objects.size());  // of the meshes that were looked at
+  Box3f bounds;
+  for (const auto& [mesh, transform] : placed.places) {
+    const Bvh& object = objects[mesh];
+    // Most places of many lie within the bounds of others.
+    if (object.bounds().empty()) continue;
+    const Box3f around = around_moved(transform, object.bounds());
+    if (merge(merge(bounds, around.lower), around.upper) == bounds) continue;
+    if (corners[mesh].empty()) corners[mesh] = corners_of(object);
+    for (const Vec3f& corner : corners[mesh]) bounds = merge(bounds, moved(transform, corner));
+  }
+  return bounds;
 }
 
 PlacedMeshes::Mesh flattened(const PlacedMeshes& placed, std::size_t max_triangles) {

@@ -49,6 +49,10 @@ std::vector<kerf::Bvh> build_objects(const PlacedMeshes& placed, const kerf::Bui
 kerf::Scene build_scene(const PlacedMeshes& placed, const std::vector<kerf::Bvh>& objects,
                         const kerf::BuildOptions& options = {});
 
+/// What the triangles of all places fill, degenerate ones left out. The scene's own box may be larger: it is
+/// put together from boxes that were turned.
+kerf::Box3f bounds_of(const PlacedMeshes& placed, const std::vector<kerf::Bvh>& objects);
+
 /// One mesh of all that stands anywhere, or of every n-th triangle so that there are no more than
 /// `max_triangles`.
 PlacedMeshes::Mesh flattened(const PlacedMeshes& placed, std::size_t max_triangles);
