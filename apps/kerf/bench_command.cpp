@@ -128,7 +128,9 @@ void bench(const BenchArguments& arguments) {
   if (arguments.json == standard_output) return;
   const std::string heading = fmt::format("{}, {} of {} threads of {}, {}", versions, threads,
                                           machine.threads, machine.processor, machine.system);
-  write_output("-", fold_text(heading) + "\n" + format_bench(figures, output_emphasis()));
+  const std::size_t columns = columns_of(stdout);
+  write_output(standard_output,
+               fold_text(heading, columns) + "\n" + format_bench(figures, output_emphasis(), columns));
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "workbench/compare/measures.hpp"
 #include "workbench/scene/placed.hpp"
 #include "workbench/scene/surface.hpp"
+#include "workbench/terminal/terminal.hpp"
 
 namespace kerf_tool {
 namespace {
@@ -128,7 +129,7 @@ Facts find_facts_of_places(const PlacedMeshes& placed) {
   Facts facts;
   const std::vector<kerf::Bvh> objects = build_objects(placed);
   const kerf::Scene scene = build_scene(placed, objects);
-  facts.bounds = scene.bounds();
+  facts.bounds = bounds_of(placed, objects);
   facts.places = {.instances = placed.places.size(),
                   .meshes = placed.meshes.size(),
                   .stored_triangles = placed.stored_triangles(),
@@ -174,8 +175,16 @@ Facts find_facts(const Scene& scene, const Options& options) {
   return facts;
 }
 
-std::string line(std::string_view name, std::string_view value) {
-  return fmt::format("  {:<22}{}\n", name, value);
+// A line of at most `columns` characters, or several: the value goes on below where it began.
+std::string fact(std::string_view name, const std::string& value, std::size_t columns) {
+  constexpr std::size_t begin = 24, min_room = 24;  // narrower text is hard to read
+  std::string text = fmt::format("  {:<{}}", name, begin - 2);
+  const std::string lines = fold_text(value, std::max(columns, begin + min_room) - begin);
+  for (std::size_t at = 0, end; at < lines.size(); at = end + 1) {
+    end = lines.find('\n', at);
+    text += fmt::format("{:{}}{}\n", "", at == 0 ? 0 : begin, lines.substr(at, end - at));
+  }
+  return text;
 }
 
 std::string format_point(const kerf::Vec3f& p) {
@@ -191,7 +200,10 @@ std::string format_leaf_sizes(const std::vector<std::size_t>& leaf_sizes) {
   return text.empty() ? "none" : text;
 }
 
-std::string describe(const Scene& scene, const Facts& facts) {
+std::string describe(const Scene& scene, const Facts& facts, std::size_t columns) {
+  const auto line = [=](std::string_view name, const std::string& value) {
+    return fact(name, value, columns);
+  };
   const kerf::Box3f& box = facts.bounds;
   const TreeFacts& tree = facts.tree;
   std::string text = scene.name + "\n";
@@ -315,7 +327,8 @@ void run(const Options& options) {
   const Scene scene = std::move(load_scenes({options.scene}, options.format, repeats).front());
   const Facts facts = name_errors(scene, [&] { return find_facts(scene, options); });
   if (!options.json.empty()) write_output(options.json, dump_json(to_json(scene, facts)));
-  if (options.json != standard_output) write_output(standard_output, describe(scene, facts));
+  if (options.json != standard_output)
+    write_output(standard_output, describe(scene, facts, columns_of(stdout)));
 }
 
 }  // namespace

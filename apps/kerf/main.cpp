@@ -1,4 +1,5 @@
 // kerf, the command-line tool. Exit status: 0; 1 with one line on standard error; 2 for bad usage.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -11,6 +12,7 @@
 #include <kerf/version.hpp>
 
 #include "commands.hpp"
+#include "help.hpp"
 #include "workbench/base/nearest_word.hpp"
 
 namespace {
@@ -35,23 +37,40 @@ std::string join(int argc, char** argv) {
   return line;
 }
 
-// A word where a command must be: it is named, and the nearest command.
-void check_command(const CLI::App& app, std::string_view word) {
-  if (word.empty() || word.front() == '-') return;
+// Where no command is: the word that stands there is named, and the nearest command.
+void check_command(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    if (command->get_name() == word) return;
-    names.push_back(command->get_name());
-  }
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  if (argc < 2) throw CLI::ValidationError(fmt::format("a command is required: {}", fmt::join(names, ", ")));
+  const std::string_view word = argv[1];
+  if (word.empty() || word.front() == '-' || std::find(names.begin(), names.end(), word) != names.end())
+    return;
   throw CLI::ValidationError(fmt::format(
       "there is no command '{}'{}{} the commands are {}", word, workbench::did_you_mean(word, names),
       workbench::did_you_mean(word, names).empty() ? ";" : "", fmt::join(names, ", ")));
+}
+
+// What is wrong with a command line, and the option that a word may have meant.
+std::string explain(const CLI::App& app, const CLI::ParseError& error) {
+  std::string text = error.what();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return text;
+  for (const CLI::App* command : app.get_subcommands()) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& word : command->remaining()) {
+      const std::string meant = workbench::did_you_mean(word, names);
+      if (!meant.empty()) return text + meant;
+    }
+  }
+  return text;
 }
 
 int run(int argc, char** argv) {
   CLI::App app{"kerf: split bounding volume hierarchies over triangle meshes", "kerf"};
   app.set_version_flag("--version", "kerf " KERF_VERSION);
   app.require_subcommand(1);
+  app.formatter(kerf_tool::folding_help());  // before commands, which take it over
   kerf_tool::add_scenes_command(app);
   kerf_tool::add_info_command(app);
   kerf_tool::add_compare_command(app, join(argc, argv));
@@ -62,12 +81,13 @@ int run(int argc, char** argv) {
   kerf_tool::add_manual_command(app);
   kerf_tool::add_completion_command(app);
   try {
-    if (argc > 1) check_command(app, argv[1]);
+    check_command(app, argc, argv);
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
-    fmt::print(stderr, "kerf: {}; kerf --help says more\n", error.what());
+    const std::string text = explain(app, error);
+    fmt::print(stderr, "kerf: {}{} kerf --help says more\n", text, text.ends_with('?') ? "" : ";");
     return bad_usage;
   }
 }

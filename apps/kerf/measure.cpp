@@ -87,7 +87,7 @@ std::vector<ReportScene> measure(const Measurement& measurement, const Plan& pla
     bar.clear();
     if (!plan.print_tables) continue;
     if (measured.size() > 1) write_output(standard_output, "\n");
-    write_output(standard_output, measurement.format_table(comparison.figures, emphasis));
+    write_output(standard_output, measurement.format_table(comparison.figures, emphasis, columns_of(stdout)));
   }
   return measured;
 }

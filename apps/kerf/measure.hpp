@@ -32,7 +32,8 @@ struct Measurement {
   workbench::Report::Kind kind = workbench::Report::Kind::comparison;
   std::string command_line;
   std::string device = "cpu";  ///< that traces: one of `tracing_devices`
-  std::string (*format_table)(const workbench::SceneFigures&, workbench::Emphasis) = nullptr;
+  std::string (*format_table)(const workbench::SceneFigures&, workbench::Emphasis,
+                              std::size_t max_width) = nullptr;
 };
 
 /// Checks that everything can be read and written, then measures, then writes the tables (unless the JSON

@@ -5,6 +5,7 @@
 #include "workbench/compare/measures.hpp"
 #include "workbench/generate/generated_scenes.hpp"
 #include "workbench/terminal/table.hpp"
+#include "workbench/terminal/terminal.hpp"
 
 namespace kerf_tool {
 namespace {
@@ -19,7 +20,7 @@ void run() {
     counts.cells.push_back({format_count(scene.generate(1.0).triangles.size())});
     descriptions.cells.push_back({std::string(scene.description)});
   }
-  write_output(standard_output, format({names, counts, descriptions}, Emphasis::mark));
+  write_output(standard_output, format({names, counts, descriptions}, Emphasis::mark, columns_of(stdout)));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -460,6 +461,9 @@ TEST(Tool, NamesUnknownCommandsAndScenesAndTheNearest) {
         std::pair("frobnicate", "there is no command 'frobnicate'; the commands are scenes, info"),
         std::pair("info atruim",
                   "atruim: no such file, and no generated scene of that name; did you mean atrium?"),
+        std::pair("info atrium --buidler bvh", "; did you mean --builder?"),
+        std::pair("info atrium --frobnicate", "--frobnicate; kerf --help says more"),
+        std::pair("", "a command is required: scenes, info"),
         std::pair("info nowhere/at/all.obj", "nowhere/at/all.obj: no such file\n")}) {
     const Outcome outcome = run_tool(arguments);
     EXPECT_NE(outcome.status, 0);
@@ -625,21 +629,77 @@ TEST(Tool, RendersWhatTheCameraIsToldTo) {
   EXPECT_FALSE(std::filesystem::exists(picture));
 }
 
-TEST(Tool, TablesFitEightyColumns) {
-  for (const std::string& arguments : {std::string("scenes"), "compare " + small + quick, "info " + small,
-                                       "sweep " + small + quick + "--alphas 1,0",
-                                       std::string("bench sticks:detail=0.001 --peers none --threads 1")}) {
-    const std::string output = run_tool(arguments).output;
-    for (std::size_t begin = 0; begin < output.size();) {
-      const std::size_t end = output.find('\n', begin);
-      const std::string line = output.substr(begin, end - begin);
-      const auto columns = std::count_if(line.begin(), line.end(), [](char byte) {
-        return (static_cast<unsigned char>(byte) & 0xc0) != 0x80;
-      });
-      EXPECT_LE(columns, 80) << line;
-      begin = end + 1;
-    }
+// The longest line, in characters of UTF-8, without the escapes that change letters.
+std::size_t widest_line(const std::string& output) {
+  const std::string text = std::regex_replace(output, std::regex("\\x1b\\[[0-9;]*[mK]"), "");
+  std::size_t widest = 0, columns = 0;
+  for (const char byte : text) {
+    if (byte == '\n' || byte == '\r')
+      columns = 0;
+    else if ((static_cast<unsigned char>(byte) & 0xc0) != 0x80)
+      widest = std::max(widest, ++columns);
   }
+  return widest;
+}
+
+// What people read: all commands, and the help of each.
+std::vector<std::string> readable() {
+  std::vector<std::string> list = {"scenes",
+                                   "compare " + small + quick,
+                                   "compare terrain:detail=0.01,rotate=30" + quick,
+                                   "info " + small,
+                                   "info terrain:detail=0.05",
+                                   "sweep " + small + quick + "--alphas 1,0",
+                                   "sweep " + small + quick + "--budgets 1,2",
+                                   "bench sticks:detail=0.001 --peers none --threads 1 --limits",
+                                   "--help"};
+  for (const char* command :
+       {"scenes", "info", "compare", "sweep", "render", "bench", "build", "manual", "completion"})
+    list.push_back(std::string(command) + " --help");
+  return list;
+}
+
+TEST(Tool, WhatPeopleReadFitsEightyColumns) {
+  for (const std::string& arguments : readable())
+    EXPECT_LE(widest_line(run_command("COLUMNS= " + tool() + " " + arguments).output), 80u) << arguments;
+}
+
+TEST(Tool, WhatPeopleReadFitsTheColumnsThatThereAre) {
+  const std::string compare = "compare " + small + quick;
+  const auto widest = [&](const std::string& columns, const std::string& arguments) {
+    return widest_line(run_command("COLUMNS=" + columns + " " + tool() + " " + arguments).output);
+  };
+  for (const std::string& arguments : readable()) {
+    if (arguments.ends_with("--help")) continue;  // some options are wider alone
+    EXPECT_LE(widest("60", arguments), 60u) << arguments;
+  }
+  EXPECT_GT(widest("200", compare), 80u) << "a wide terminal folds nothing";
+  EXPECT_GT(widest("200", "--help"), 80u);
+}
+
+// `script` gives the tool a terminal, 80 columns wide.
+class ToolOnATerminal : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (run_command("command -v script").status != 0) GTEST_SKIP() << "there is no script of util-linux";
+  }
+  static std::string shown(const std::string& term, const std::string& arguments) {
+    const TemporaryDirectory directory;
+    const std::string commands = directory.write(
+        "commands", "stty cols 80 rows 24\nCOLUMNS= TERM=" + term + " " + tool() + " " + arguments);
+    return run_command("script -qec 'sh " + commands + "' /dev/null").output;
+  }
+};
+
+TEST_F(ToolOnATerminal, NothingIsWiderThanIt) {
+  for (const std::string& arguments : readable())
+    EXPECT_LE(widest_line(shown("xterm", arguments)), 80u) << arguments;
+}
+
+TEST_F(ToolOnATerminal, OneThatIsDumbGetsNoEscapes) {
+  for (const std::string& arguments : readable())
+    EXPECT_EQ(shown("dumb", arguments).find('\033'), std::string::npos) << arguments;
+  EXPECT_NE(shown("xterm", "compare " + small + quick).find("\033[1m"), std::string::npos);
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ Column figures(const BenchScene& scene, std::string head, const char* format, bo
   return column;
 }
 
-std::string format_scene(const BenchScene& scene, Emphasis emphasis) {
+std::string format_scene(const BenchScene& scene, Emphasis emphasis, std::size_t max_width) {
   const auto triangles = static_cast<double>(scene.triangles);
   Column engines{.head = "engine", .cells = {}, .left_aligned = true};
   for (const BenchResult& result : scene.results) engines.cells.push_back({label(result)});
@@ -146,13 +146,14 @@ std::string format_scene(const BenchScene& scene, Emphasis emphasis) {
                                                                scene.instances, scene.meshes, scene.triangles)
                                                  : fmt::format("{} triangles, {} references, SAH {:.2f}",
                                                                scene.triangles, scene.references, scene.sah);
-  std::string text = fmt::format("{}: {}\n{}", scene.name, facts, format(columns, emphasis));
-  for (const std::string& remark : scene.remarks) text += fold_text("Note: " + remark);
+  std::string text =
+      fold_text(fmt::format("{}: {}", scene.name, facts), max_width) + format(columns, emphasis, max_width);
+  for (const std::string& remark : scene.remarks) text += fold_text("Note: " + remark, max_width);
   return text + "\n";
 }
 
 // How fast kerf could be at best, and which fraction of that it reaches.
-std::string format_limits(const BenchScene& scene) {
+std::string format_limits(const BenchScene& scene, std::size_t max_width) {
   if (!scene.limits) return {};
   const Limits& limits = *scene.limits;
   std::vector<Column> columns{{.head = "rays", .cells = {}, .left_aligned = true},
@@ -183,9 +184,10 @@ std::string format_limits(const BenchScene& scene) {
     columns.push_back(std::move(took));
     columns.push_back(std::move(reached));
   }
-  return fmt::format(
-      "Floor: {:.2f} ns per node and {:.2f} ns per leaf, with everything in the first-level cache\n{}\n",
-      limits.times.node_ns, limits.times.leaf_ns, format(columns, Emphasis::mark));
+  const std::string floor = fmt::format(
+      "Floor: {:.2f} ns per node and {:.2f} ns per leaf, with everything in the first-level cache",
+      limits.times.node_ns, limits.times.leaf_ns);
+  return fold_text(floor, max_width) + format(columns, Emphasis::mark, max_width) + "\n";
 }
 
 nlohmann::ordered_json limits_json(const BenchScene& scene) {
@@ -207,7 +209,7 @@ nlohmann::ordered_json limits_json(const BenchScene& scene) {
   return {{"node_ns", limits.times.node_ns}, {"leaf_ns", limits.times.leaf_ns}, {"rays", std::move(rays)}};
 }
 
-std::string format_ratios(std::span<const BenchScene> scenes) {
+std::string format_ratios(std::span<const BenchScene> scenes, std::size_t max_width) {
   const std::vector<Ratios> list = ratios_to_peers(scenes);
   if (list.empty()) return {};
   std::vector<Column> columns{{.head = "kerf", .cells = {}, .left_aligned = true},
@@ -235,10 +237,13 @@ std::string format_ratios(std::span<const BenchScene> scenes) {
                                  fmt::format("{:.2f}", r.peak_bytes_max)};
     for (std::size_t c = 0; c < columns.size(); ++c) columns[c].cells.push_back({cells[c]});
   }
-  return "Speed and build: kerf's speed divided by the peer's, geometric means over scenes and types of "
-         "rays.\n"
-         "Bytes and peak: kerf's memory divided by the peer's, in the scene where that is largest.\n" +
-         format(columns, Emphasis::mark);
+  return fold_text(
+             "Speed and build: kerf's speed divided by the peer's, geometric means over scenes and types of "
+             "rays.",
+             max_width) +
+         fold_text("Bytes and peak: kerf's memory divided by the peer's, in the scene where that is largest.",
+                   max_width) +
+         format(columns, Emphasis::mark, max_width);
 }
 
 }  // namespace
@@ -254,10 +259,11 @@ std::vector<Ratios> ratios_to_peers(std::span<const BenchScene> scenes) {
   return list;
 }
 
-std::string format_bench(std::span<const BenchScene> scenes, Emphasis emphasis) {
+std::string format_bench(std::span<const BenchScene> scenes, Emphasis emphasis, std::size_t max_width) {
   std::string text;
-  for (const BenchScene& scene : scenes) text += format_scene(scene, emphasis) + format_limits(scene);
-  return text + format_ratios(scenes);
+  for (const BenchScene& scene : scenes)
+    text += format_scene(scene, emphasis, max_width) + format_limits(scene, max_width);
+  return text + format_ratios(scenes, max_width);
 }
 
 nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRun& run) {

@@ -24,7 +24,8 @@ nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRu
 
 /// One table per scene, then kerf's speed relative to each peer: the geometric mean over scenes and types of
 /// rays, and the minimum.
-std::string format_bench(std::span<const BenchScene> scenes, Emphasis emphasis);
+std::string format_bench(std::span<const BenchScene> scenes, Emphasis emphasis,
+                         std::size_t max_width = default_columns);
 
 /// kerf in one of its modes, relative to a peer: with single rays where the peer's are, or where they are
 /// made relative to kerf with those in an array, if both were measured. Ratios of speeds are above 1 where

@@ -13,14 +13,14 @@ namespace {
 
 constexpr double bar_width = 12.0;
 
-std::string heading(const SceneFigures& scene) {
+std::string heading(const SceneFigures& scene, std::size_t max_width) {
   std::string text = fmt::format("{}: {} triangles", scene.name, format_count(scene.triangles));
   if (scene.degenerate_triangles != 0) {
     text += fmt::format(", {} of them degenerate and left out", format_count(scene.degenerate_triangles));
   }
   if (!scene.device.empty()) text += fmt::format("; traced by {}", scene.device);
-  text += "\n";
-  return scene.remark.empty() ? text : text + fold_text("Note: " + scene.remark + ".");
+  text = fold_text(text, max_width);
+  return scene.remark.empty() ? text : text + fold_text("Note: " + scene.remark + ".", max_width);
 }
 
 // What a row is called.
@@ -76,7 +76,8 @@ void append_bars(std::vector<Column>& columns, const std::vector<double>& values
 }
 
 // Cost, references and speed behind a first column that says what was varied.
-std::string format_varied(const SceneFigures& scene, Emphasis emphasis, Column varied) {
+std::string format_varied(const SceneFigures& scene, Emphasis emphasis, std::size_t max_width,
+                          Column varied) {
   std::vector<Column> columns{std::move(varied)};
   const auto append = [&](std::string_view head, bool higher_is_better, std::string (*format)(double),
                           auto&& value) {
@@ -94,20 +95,20 @@ std::string format_varied(const SceneFigures& scene, Emphasis emphasis, Column v
   append(speed.title, speed.higher_is_better, speed.format, [](const BuilderFigures& builder) {
     return 1e-6 * rays_per_second(builder, {RayType::primary, RayType::ao, RayType::diffuse});
   });
-  return heading(scene) + "\n" + format(columns, emphasis) + "\n" + verdict(scene);
+  return heading(scene, max_width) + "\n" + format(columns, emphasis, max_width) + "\n" + verdict(scene);
 }
 
 }  // namespace
 
-std::string format_comparison(const SceneFigures& scene, Emphasis emphasis) {
-  std::string text = heading(scene) + "\n";
+std::string format_comparison(const SceneFigures& scene, Emphasis emphasis, std::size_t max_width) {
+  std::string text = heading(scene, max_width) + "\n";
   std::vector<Column> tree{name_column(scene, "tree")};
   for (const auto& measure : tree_measures()) {
     std::vector<double> values;
     for (const BuilderFigures& builder : scene.builders) values.push_back(measure.value(builder));
     append_measured(tree, measure.title, values, measure.higher_is_better, measure.format);
   }
-  text += format(tree, emphasis);
+  text += format(tree, emphasis, max_width);
   for (std::size_t type = 0; type < std::size(ray_types); ++type) {
     std::vector<Column> rays{name_column(scene, title(ray_types[type]))};
     for (const auto& measure : ray_measures()) {
@@ -117,21 +118,21 @@ std::string format_comparison(const SceneFigures& scene, Emphasis emphasis) {
       append_measured(rays, measure.title, values, measure.higher_is_better, measure.format);
     }
     text += '\n';
-    text += format(rays, emphasis);
+    text += format(rays, emphasis, max_width);
   }
   return text + "\n" + verdict(scene);
 }
 
-std::string format_sweep(const SceneFigures& scene, Emphasis emphasis) {
+std::string format_sweep(const SceneFigures& scene, Emphasis emphasis, std::size_t max_width) {
   Column alphas{.head = "alpha", .cells = {}};
   for (const BuilderFigures& builder : scene.builders) alphas.cells.push_back({format_alpha(builder.alpha)});
-  return format_varied(scene, emphasis, std::move(alphas));
+  return format_varied(scene, emphasis, max_width, std::move(alphas));
 }
 
-std::string format_budgets(const SceneFigures& scene, Emphasis emphasis) {
+std::string format_budgets(const SceneFigures& scene, Emphasis emphasis, std::size_t max_width) {
   Column names{.head = "budget", .cells = {}, .left_aligned = true};
   for (const BuilderFigures& builder : scene.builders) names.cells.push_back({name_with_budget(builder)});
-  return format_varied(scene, emphasis, std::move(names));
+  return format_varied(scene, emphasis, max_width, std::move(names));
 }
 
 }  // namespace workbench

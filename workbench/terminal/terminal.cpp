@@ -1,7 +1,9 @@
 #include "workbench/terminal/terminal.hpp"
 
+#include <charconv>
 #include <cstdlib>
 #include <string_view>
+#include <system_error>
 
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -15,6 +17,13 @@ bool obeys_escapes(std::FILE* stream) {
 }
 
 std::size_t columns_of(std::FILE* stream) {
+  constexpr std::size_t most = 1000;
+  if (const char* const columns = std::getenv("COLUMNS")) {
+    const std::string_view text = columns;
+    std::size_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc() && end == text.data() + text.size() && value > 0 && value <= most) return value;
+  }
   winsize size{};
   if (ioctl(fileno(stream), TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return default_columns;
   return size.ws_col;

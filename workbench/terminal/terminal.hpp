@@ -12,7 +12,8 @@ namespace workbench {
 /// not `dumb`.
 bool obeys_escapes(std::FILE* stream);
 
-/// The columns of the terminal that `stream` is; 80 if it is none or does not say.
+/// The columns of the terminal that `stream` is: COLUMNS if that is set, else what the terminal says,
+/// else 80.
 std::size_t columns_of(std::FILE* stream);
 
 /// How the best of a column is emphasised on standard output. NO_COLOR (no-color.org) asks for none.
