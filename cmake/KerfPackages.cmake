@@ -68,6 +68,9 @@ macro(kerf_find_test_packages missing)
   set(${missing} "")
   find_package(GTest QUIET)
   find_package(rapidcheck QUIET)  # properties
+  if(POLICY CMP0167)
+    cmake_policy(SET CMP0167 NEW)  # CMake 3.30 leaves it to Boost to say where it is
+  endif()
   find_package(Boost QUIET)       # Multiprecision, over GMP: the exact oracles
   find_package(fmt QUIET)
   find_library(KERF_GMP gmp)

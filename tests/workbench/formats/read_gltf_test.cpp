@@ -380,6 +380,16 @@ TEST(ReadGltf, SkinsAreWhereTheirJointsPutThem) {
                  "meshes[0].primitives[0]: vertex 1 hangs on joint 1, but its skin has 1");
     wrong.json["nodes"][0]["skin"] = 1;
     expect_error(wrong, Error::bad_format, "nodes[0]: there is no skins[1]");
+    // Joints whose numbers are no unsigned integers, the last one up to the end of the file.
+    for (const int type : {5120, 5122, 5126}) {
+      Maker other = maker;
+      other.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] =
+          type == 5120   ? other.add(std::vector<std::int8_t>(12), type, "VEC4", 4)
+          : type == 5122 ? other.add(std::vector<std::int16_t>(12), type, "VEC4", 4)
+                         : other.add(std::vector<float>(12), type, "VEC4", 4);
+      expect_error(other, Error::bad_format,
+                   fmt::format("meshes[0].primitives[0]: joints of component type {}", type));
+    }
   }
 }
 

@@ -56,10 +56,7 @@ void put_sparse(const Document& document, Buffers& buffers, const Object& sparse
   indices.count = count;
   indices.type = to_component_type(document, of_indices);
   indices.stride = bytes_of(indices.type);
-  if (indices.type != ComponentType::uint8 && indices.type != ComponentType::uint16 &&
-      indices.type != ComponentType::uint32)
-    document.raise("{}: indices of component type {}", of_indices.name,
-                   static_cast<std::uint64_t>(indices.type));
+  require_unsigned(document, indices, of_indices.name + ": indices");
   const Buffers::View index_view = buffers.view(document.whole(of_indices, "bufferView"), of_indices.name);
   indices.data = elements_in(document, of_indices.name, index_view,
                              document.find_whole(of_indices, "byteOffset").value_or(0), count, indices.stride,
@@ -196,6 +193,12 @@ Elements read_accessor(const Document& document, Buffers& buffers, std::uint64_t
   elements.data = elements.made->data();
   elements.stride = size;
   return elements;
+}
+
+void require_unsigned(const Document& document, const Elements& elements, std::string_view where) {
+  if (elements.type != ComponentType::uint8 && elements.type != ComponentType::uint16 &&
+      elements.type != ComponentType::uint32)
+    document.raise("{} of component type {}", where, static_cast<std::uint64_t>(elements.type));
 }
 
 void require_components(const Document& document, const Elements& elements, std::uint64_t components) {

@@ -36,6 +36,8 @@ struct Elements {
 
   /// Components of `number` elements from `first` on, one element behind another.
   void read(std::uint64_t first, std::uint64_t number, double* components) const;
+
+  /// The same of unsigned integers, which `require_unsigned` has made sure of.
   void read(std::uint64_t first, std::uint64_t number, std::uint32_t* components) const;
 
   /// True if the elements lie one behind another as `float[3]`.
@@ -50,6 +52,9 @@ Elements read_accessor(const Document& document, Buffers& buffers, std::uint64_t
 
 /// What an accessor says of its elements, without their bytes.
 Elements declared_accessor(const Document& document, std::uint64_t accessor, std::string_view by);
+
+/// Throws unless the components are unsigned integers. `where` names what is of another type: "indices".
+void require_unsigned(const Document& document, const Elements& elements, std::string_view where);
 
 /// Throws unless elements are of that many components.
 void require_components(const Document& document, const Elements& elements, std::uint64_t components);

@@ -59,7 +59,7 @@ Nodes read_nodes(const Document& document) {
     const Transform own = transform_of(document, document.item("nodes", i, "nodes"));
     nodes.transforms[i] = parents[i] == none ? own : nodes.transforms[parents[i]] * own;
     is_seen[i] = true;
-    order.insert(order.end(), children[i].begin(), children[i].end());
+    for (const std::uint64_t child : children[i]) order.push_back(child);
   }
   for (std::uint64_t i = 0; i < count; ++i) {
     if (!is_seen[i]) document.raise("nodes[{}] is its own ancestor", i);
@@ -84,7 +84,7 @@ Nodes read_nodes(const Document& document) {
       continue;
     }
     nodes.in_scene.push_back(i);
-    shown.insert(shown.end(), children[i].begin(), children[i].end());
+    for (const std::uint64_t child : children[i]) shown.push_back(child);
   }
   return nodes;
 }

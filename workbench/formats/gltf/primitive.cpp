@@ -56,6 +56,7 @@ void read_influences(const Document& document, AttributeReader& attributes, Prim
     auto weights = attributes.find(fmt::format("WEIGHTS_{}", set).c_str());
     if (!joints || !weights) return;
     require_components(document, *joints, 4);
+    require_unsigned(document, *joints, primitive.name + ": joints");
     require_components(document, *weights, 4);
     if (joints->count < primitive.positions.count || weights->count < primitive.positions.count)
       document.raise("{}: set {} of joints and weights is of fewer vertices than there are", primitive.name,
@@ -98,9 +99,7 @@ Primitive read_primitive(const Document& document, Buffers& buffers, const Objec
   } else if (const auto indices = document.find_whole(object, "indices")) {
     primitive.indices = read_accessor(document, buffers, *indices, object.name);
     require_components(document, *primitive.indices, 1);
-    const ComponentType type = primitive.indices->type;
-    if (type != ComponentType::uint8 && type != ComponentType::uint16 && type != ComponentType::uint32)
-      document.raise("{}: indices of component type {}", object.name, static_cast<std::uint64_t>(type));
+    require_unsigned(document, *primitive.indices, object.name + ": indices");
     primitive.corners = primitive.indices->count;
   } else {
     primitive.corners = primitive.positions.count;
