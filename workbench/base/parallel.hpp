@@ -80,6 +80,11 @@ void on_threads(unsigned, const Work& work) {
   work();
 }
 
+/// Threads that a loop which begins here may run on.
+inline std::size_t thread_count() {
+  return 2;
+}
+
 #else
 
 /// Calls `body(begin, end)` for blocks of up to `grain` that together make up `0 .. count - 1`.
@@ -100,6 +105,11 @@ void on_threads(unsigned threads, const Work& work) {
       static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
   tbb::task_arena arena(static_cast<int>(threads == 0 ? available : std::min(threads, available)));
   arena.execute(work);
+}
+
+/// Threads that a loop which begins here may run on.
+inline std::size_t thread_count() {
+  return static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
 }
 
 #endif

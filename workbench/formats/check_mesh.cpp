@@ -90,6 +90,15 @@ void drop_unused_vertices(ReadMesh& mesh) {
   }
 }
 
+struct Point {
+  float x, y;
+};
+
+// Nearly all have.
+inline bool has_area(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+  return turn(Point{a.x, a.y}, Point{b.x, b.y}, Point{c.x, c.y}) != 0;
+}
+
 std::size_t count_flattened(const ReadMesh& mesh) {
   if (mesh.remainders.empty()) return 0;
   std::atomic<std::size_t> count = 0;
@@ -97,6 +106,7 @@ std::size_t count_flattened(const ReadMesh& mesh) {
     std::size_t of_block = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const auto& [a, b, c] = mesh.triangles[i];
+      if (has_area(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) continue;
       of_block += is_flattened({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]},
                                {mesh.remainders[a], mesh.remainders[b], mesh.remainders[c]});
     }
@@ -104,10 +114,6 @@ std::size_t count_flattened(const ReadMesh& mesh) {
   });
   return count;
 }
-
-struct Point {
-  float x, y;
-};
 
 }  // namespace
 

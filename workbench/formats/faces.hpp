@@ -15,6 +15,10 @@ class Faces {
  public:
   using Triangle = std::array<std::uint32_t, 3>;
 
+  std::size_t triangles() const { return triangles_.size(); }
+  bool has_room_for(std::size_t triangles) const {
+    return triangles_.capacity() - triangles_.size() >= triangles;
+  }
   void reserve(std::size_t triangles) { triangles_.reserve(triangles); }
   void add(const Triangle& triangle) { triangles_.push_back(triangle); }
 

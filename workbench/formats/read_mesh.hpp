@@ -37,7 +37,10 @@ struct ReadMesh {
   }
   void add_vertex(const kerf::Vec3f& nearest, const kerf::Vec3f& remainder) {
     const bool is_exact = remainder.x == 0.0f && remainder.y == 0.0f && remainder.z == 0.0f;
-    if (!is_exact && remainders.empty()) remainders.resize(vertices.size());
+    if (!is_exact && remainders.empty()) {
+      remainders.reserve(vertices.capacity());
+      remainders.resize(vertices.size());
+    }
     vertices.push_back(nearest);
     if (!is_exact || !remainders.empty()) remainders.push_back(remainder);
   }

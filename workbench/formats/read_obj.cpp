@@ -20,9 +20,9 @@ namespace {
 using kerf::Error;
 using kerf::Vec3f;
 
-/// Parts of this size are read at once, each by one thread. Larger ones take more memory, smaller ones more
-/// time.
-constexpr std::size_t part_bytes = std::size_t{1} << 20;
+/// Parts of this size are read by one thread each, so many at once for each thread that none waits for long.
+/// What they hold together fits into a second-level cache or two.
+constexpr std::size_t parts_per_thread = 8, part_bytes = std::size_t{1} << 18;
 
 /// Corners count from the file's first vertex, or back from where the face stands; the latter are kept as
 /// what they are relative to the part's first vertex until it is known which that is. Both are below 2^30.
@@ -33,7 +33,8 @@ constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 constexpr std::uint32_t absent =
     std::numeric_limits<std::uint32_t>::max();  ///< a corner that no vertex can be
 
-// A part of the file and what was read in it.
+// A part of the file and what was read in it. Another is read into the same memory: fresh memory costs a page
+// fault for each 4 KiB.
 struct Part {
   std::string_view text;
   std::vector<Vec3f> vertices, remainders;
@@ -45,6 +46,16 @@ struct Part {
   const char* wrong = nullptr;  ///< where reading stopped, and why
   Error::Code code = Error::bad_format;
   std::string cause;
+
+  void begin(std::string_view new_text) {
+    text = new_text;
+    vertices.clear();
+    remainders.clear();
+    triangles.clear();
+    polygons.clear();
+    polygon_corners.clear();
+    small_faces = lines_and_points = free_forms = 0;
+  }
 };
 
 // Reads statements of one part. A statement ends with its line; a `\` before the end of the line continues
@@ -64,11 +75,11 @@ class PartReader {
       const std::size_t length = static_cast<std::size_t>(behind - at_);
       if (*at_ == 'v' && length == 1) {
         at_ = behind;
-        read_vertex();
+        if (!read_plain_vertex()) read_vertex();
         if (part_.vertices.size() > last_vertex) return statement;
       } else if (*at_ == 'f' && (length == 1 || (length == 2 && at_[1] == 'o'))) {  // fo: of old files
         at_ = behind;
-        read_face();
+        if (!read_plain_triangle()) read_face();
         if (part_.triangles.size() + part_.polygons.size() > last_face) return statement;
       } else if ((*at_ == 'l' || *at_ == 'p') && length == 1) {
         ++part_.lines_and_points;
@@ -99,6 +110,22 @@ class PartReader {
     return at == end || is_space(*at) || *at == '#' || *at == '\\';
   }
 
+  // What nearly all vertices are: numbers on one line. False, and nothing was read, if there is anything
+  // else.
+  bool read_plain_vertex() {
+    const char* at = at_;
+    Real values[3];
+    for (Real& value : values) {
+      value = parse_real(skip_blanks(at, end_), end_);
+      if (value.end == nullptr || value.end == end_ || !is_space(*value.end)) return false;
+      at = value.end;
+    }
+    at_ = at;
+    add_vertex({values[0].nearest, values[1].nearest, values[2].nearest},
+               {values[0].remainder(), values[1].remainder(), values[2].remainder()});
+    return true;
+  }
+
   // A weight or a colour after the third coordinate does not matter. Nor does a vertex without three numbers,
   // unless a face uses it: it is described then.
   void read_vertex() {
@@ -117,11 +144,44 @@ class PartReader {
     const Vec3f p =
         is_point ? Vec3f{values[0].nearest, values[1].nearest, values[2].nearest} : Vec3f{nan, nan, nan};
     const Vec3f rest{values[0].remainder(), values[1].remainder(), values[2].remainder()};
+    add_vertex(p, rest);
+  }
+
+  void add_vertex(const Vec3f& p, const Vec3f& rest) {
     part_.vertices.push_back(p);
     const bool is_exact = rest.x == 0.0f && rest.y == 0.0f && rest.z == 0.0f;
     if (is_exact && part_.remainders.empty()) return;
-    if (part_.remainders.empty()) part_.remainders.resize(part_.vertices.size() - 1);
+    if (part_.remainders.empty()) {
+      part_.remainders.reserve(part_.vertices.capacity());
+      part_.remainders.resize(part_.vertices.size() - 1);
+    }
     part_.remainders.push_back(rest);
+  }
+
+  // What nearly all faces are: three numbers that count from the file's first vertex, on one line. False, and
+  // nothing was read, if there is anything else.
+  bool read_plain_triangle() {
+    constexpr std::ptrdiff_t max_digits = 9;  // all such numbers are below `max_vertices`
+    const char* at = at_;
+    std::uint32_t corners[3];
+    for (std::uint32_t& corner : corners) {
+      at = skip_blanks(at, end_);
+      const char* const first = at;
+      std::uint32_t number = 0;
+      for (; at != end_ && static_cast<unsigned char>(*at - '0') < 10; ++at)
+        number = 10 * number + static_cast<unsigned char>(*at - '0');
+      if (number == 0 || at - first > max_digits) return false;
+      corner = number - 1;
+      if (at != end_ && *at == '/') {
+        while (!ends_word(at, end_)) ++at;
+      }
+      if (at == end_ || !is_space(*at)) return false;
+    }
+    at = skip_blanks(at, end_);
+    if (at == end_ || !is_line_end(*at)) return false;
+    part_.triangles.push_back({corners[0], corners[1], corners[2]});
+    at_ = at;
+    return true;
   }
 
   // The numbers of a texture coordinate and a normal, which follow slashes, do not matter.
@@ -189,8 +249,8 @@ class PartReader {
 };
 
 // The text in parts that end with statements.
-std::vector<Part> divide(std::string_view text) {
-  std::vector<Part> parts;
+std::vector<std::string_view> divide(std::string_view text) {
+  std::vector<std::string_view> parts;
   const char *begin = text.data(), *const end = begin + text.size();
   while (begin != end) {
     const char* at = begin + std::min(part_bytes, static_cast<std::size_t>(end - begin));
@@ -202,7 +262,7 @@ std::vector<Part> divide(std::string_view text) {
       while (at != end && is_space(*at)) ++at;
       if (last == begin || last[-1] != '\\') break;
     }
-    parts.emplace_back().text = {begin, static_cast<std::size_t>(at - begin)};
+    parts.emplace_back(begin, static_cast<std::size_t>(at - begin));
     begin = at;
   }
   return parts;
@@ -211,41 +271,38 @@ std::vector<Part> divide(std::string_view text) {
 class ObjReader {
  public:
   ObjReader(const std::filesystem::path& file, const FileBytes& bytes)
-      : file_(file), bytes_(bytes), parts_(divide(without_byte_order_mark(bytes.view()))) {}
+      : file_(file), bytes_(bytes), texts_(divide(without_byte_order_mark(bytes.view()))) {}
 
   ReadMesh read() {
-    parallel_for(parts_.size(), [&](std::size_t i) {
-      PartReader(parts_[i]).read();
-      bytes_.release(parts_[i].text);
-    });
-    std::size_t vertices = 0, triangles = 0;
-    bool is_rounded = false;
-    for (const Part& part : parts_) {
-      if (part.wrong != nullptr) raise(part.code, file_, "line {}: {}", line_of(part.wrong), part.cause);
-      vertices += part.vertices.size();
-      triangles += part.triangles.size();
-      is_rounded = is_rounded || !part.remainders.empty();
-    }
-    if (vertices >= static_cast<std::size_t>(max_vertices))
-      raise(Error::too_large, file_, "has 2^30 vertices or more");
-    vertices_ = vertices;
+    const std::size_t at_once = std::min<std::size_t>(texts_.size(), parts_per_thread * thread_count());
+    std::vector<Part> parts(at_once), before(at_once);
     ReadMesh mesh;
-    mesh.vertices.reserve(vertices);
-    if (is_rounded) mesh.remainders.reserve(vertices);
     Faces faces;
-    faces.reserve(triangles);
-    for (Part& part : parts_) {
-      first_vertex_.push_back(mesh.vertices.size());
-      append(part, mesh, faces, is_rounded);
+    std::size_t read_before = 0;
+    const auto append_before = [&] {
+      for (std::size_t i = 0; i < read_before; ++i) append(before[i], mesh, faces);
+    };
+    for (std::size_t begin = 0; begin < texts_.size(); begin += at_once) {
+      const std::size_t count = std::min(at_once, texts_.size() - begin);
+      parallel_for(1 + count, [&](std::size_t i) {
+        if (i == 0) return append_before();  // one thread, while others read on
+        parts[i - 1].begin(texts_[begin + i - 1]);
+        PartReader(parts[i - 1]).read();
+        bytes_.release(parts[i - 1].text);
+      });
+      read_before = count;
+      parts.swap(before);
     }
-    std::size_t crossing = 0, small_faces = 0, lines_and_points = 0, free_forms = 0;
+    append_before();
+    if (mesh.vertices.size() >= static_cast<std::size_t>(max_vertices))
+      raise(Error::too_large, file_, "has 2^30 vertices or more");
+    vertices_ = mesh.vertices.size();
+    for (std::size_t part = 0; part < texts_.size(); ++part)
+      if (largest_corner_[part] >= vertices_) raise_range(part);
+    if (!mesh.remainders.empty()) mesh.remainders.resize(vertices_);
+    std::size_t crossing = 0;
     mesh.triangles = faces.take_triangles(mesh.vertices, crossing);
-    for (const Part& part : parts_) {
-      small_faces += part.small_faces;
-      lines_and_points += part.lines_and_points;
-      free_forms += part.free_forms;
-    }
-    tell(mesh.contents, small_faces, lines_and_points, free_forms, crossing);
+    tell(mesh.contents, small_faces_, lines_and_points_, free_forms_, crossing);
     mesh.describe_vertex = [state = std::make_shared<ObjReader>(std::move(*this))](std::uint32_t vertex) {
       return state->describe(vertex);
     };
@@ -255,19 +312,36 @@ class ObjReader {
  private:
   std::size_t line_of(const char* at) const { return line_number(bytes_.view(), at); }
 
-  // Moves what a part holds behind what the parts before it hold.
-  void append(Part& part, ReadMesh& mesh, Faces& faces, bool is_rounded) {
+  // A corner of a part whose first vertex has that number; one before the file's first vertex becomes a large
+  // number, as one behind its last is.
+  static std::uint32_t resolved(std::uint32_t corner, std::size_t first) {
+    if ((corner & relative_mark) == 0) return corner;
+    return static_cast<std::uint32_t>(static_cast<std::int64_t>(first) + (corner & ~relative_mark) -
+                                      relative_zero);
+  }
+
+  // Appends what a part holds behind what the parts before it hold.
+  void append(Part& part, ReadMesh& mesh, Faces& faces) {
+    if (part.wrong != nullptr) raise(part.code, file_, "line {}: {}", line_of(part.wrong), part.cause);
     const std::size_t first = mesh.vertices.size();
-    std::size_t polygon_corner = 0, triangle = 0, polygons = 0;
+    first_vertex_.push_back(first);
+    small_faces_ += part.small_faces;
+    lines_and_points_ += part.lines_and_points;
+    free_forms_ += part.free_forms;
+    std::uint32_t largest = 0;
     const auto resolve = [&](std::span<std::uint32_t> corners) {
-      for (std::uint32_t& corner : corners) {
-        if (corner & relative_mark) {
-          corner = static_cast<std::uint32_t>(static_cast<std::int64_t>(first) + (corner & ~relative_mark) -
-                                              relative_zero);
-        }
-        if (corner >= vertices_) raise_range(part, triangle + polygons, corner);
-      }
+      for (std::uint32_t& corner : corners) largest = std::max(largest, corner = resolved(corner, first));
     };
+    // Where all parts that follow are like this one, there is room for them.
+    const auto rest = static_cast<std::size_t>(bytes_.view().end() - part.text.begin());
+    const auto room = [&](std::size_t have, std::size_t more) {
+      return have + more +
+             static_cast<std::size_t>(1.05 * static_cast<double>(more) * static_cast<double>(rest) /
+                                      static_cast<double>(part.text.size()));
+    };
+    std::size_t polygon_corner = 0, triangle = 0;
+    if (!faces.has_room_for(part.triangles.size()))
+      faces.reserve(room(faces.triangles(), part.triangles.size()));
     const auto add_triangles = [&](std::size_t end) {
       for (; triangle < end; ++triangle) {
         resolve(part.triangles[triangle]);
@@ -280,29 +354,57 @@ class ObjReader {
       resolve(corners);
       faces.add(std::span<const std::uint32_t>(corners));
       polygon_corner += polygon.second;
-      ++polygons;
     }
     add_triangles(part.triangles.size());
-    mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
-    if (is_rounded) {
-      mesh.remainders.insert(mesh.remainders.end(), part.remainders.begin(), part.remainders.end());
-      mesh.remainders.resize(mesh.vertices.size());
-    }
-    part.vertices = part.remainders = {};
-    part.triangles = {};
-    part.polygons = {};
-    part.polygon_corners = {};
+    largest_corner_.push_back(largest);
+    append(part.vertices, mesh.vertices, room);
+    if (part.remainders.empty()) return;
+    mesh.remainders.resize(first);
+    append(part.remainders, mesh.remainders, room);
   }
 
-  // `face` is one of the last part that is appended; those of fewer than three corners do not count.
-  [[noreturn]] void raise_range(const Part& part, std::size_t face, std::uint32_t corner) const {
+  template <class Room>
+  static void append(const std::vector<Vec3f>& points, std::vector<Vec3f>& all, const Room& room) {
+    if (all.capacity() - all.size() < points.size()) all.reserve(room(all.size(), points.size()));
+    all.insert(all.end(), points.begin(), points.end());
+  }
+
+  // For a part with a corner that is none of the file's vertices: names the first such.
+  [[noreturn]] void raise_range(std::size_t number) const {
+    Part part;
+    part.text = texts_[number];
+    PartReader(part).read();
+    const std::size_t first = first_vertex_[number];
+    const auto is_wrong = [&](std::uint32_t corner) { return resolved(corner, first) >= vertices_; };
+    std::size_t face = 0, triangle = 0, polygon_corner = 0;
+    std::uint32_t corner = 0;
+    const auto find_in = [&](std::span<const std::uint32_t> corners) {
+      const auto found = std::find_if(corners.begin(), corners.end(), is_wrong);
+      if (found == corners.end()) return ++face, false;
+      corner = resolved(*found, first);
+      return true;
+    };
+    const auto find_in_triangles = [&](std::size_t end) {
+      while (triangle < end)
+        if (find_in(part.triangles[triangle++])) return true;
+      return false;
+    };
+    bool found = false;
+    for (const auto& polygon : part.polygons) {
+      found = find_in_triangles(polygon.first) ||
+              find_in(std::span(part.polygon_corners).subspan(polygon_corner, polygon.second));
+      if (found) break;
+      polygon_corner += polygon.second;
+    }
+    if (!found) find_in_triangles(part.triangles.size());
+
     Part again;
     again.text = part.text;
     const char* const at = PartReader(again).read(none, face);
-    const auto before = static_cast<std::int64_t>(first_vertex_.back() + again.vertices.size());
-    if (const auto number = static_cast<std::int32_t>(corner); number < 0) {
+    const auto before = static_cast<std::int64_t>(first + again.vertices.size());
+    if (const auto negative = static_cast<std::int32_t>(corner); negative < 0) {
       raise(Error::index_out_of_range, file_, "line {}: the face names vertex {}, but there are {} before it",
-            line_of(at), number - before, before);
+            line_of(at), negative - before, before);
     }
     raise(Error::index_out_of_range, file_, "line {}: the face names vertex {}, but they go from 1 to {}",
           line_of(at), std::uint64_t{corner} + 1, vertices_);
@@ -312,7 +414,7 @@ class ObjReader {
     const auto behind = std::upper_bound(first_vertex_.begin(), first_vertex_.end(), vertex);
     const std::size_t number = static_cast<std::size_t>(behind - first_vertex_.begin()) - 1;
     Part part;
-    part.text = parts_[number].text;
+    part.text = texts_[number];
     const char* at = PartReader(part).read(vertex - first_vertex_[number]);
     const std::size_t line = line_of(at);
     const char* const end = find_line_end(at, part.text.data() + part.text.size());
@@ -345,9 +447,10 @@ class ObjReader {
 
   const std::filesystem::path file_;
   const FileBytes& bytes_;
-  std::vector<Part> parts_;
-  std::vector<std::size_t> first_vertex_;  ///< of each part
-  std::size_t vertices_ = 0;
+  std::vector<std::string_view> texts_;  ///< of the parts
+  std::vector<std::size_t> first_vertex_;
+  std::vector<std::uint32_t> largest_corner_;
+  std::size_t vertices_ = 0, small_faces_ = 0, lines_and_points_ = 0, free_forms_ = 0;
 };
 
 }  // namespace
