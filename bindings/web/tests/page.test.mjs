@@ -5,6 +5,7 @@ import { existsSync, mkdirSync, readFileSync } from 'node:fs';
 import { extname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { after, before, test } from 'node:test';
+import { findings } from './support/accessibility.mjs';
 
 const chromium = process.env.KERF_CHROMIUM ?? '/usr/bin/chromium';
 const dist = fileURLToPath(new URL('../demo/dist/', import.meta.url));
@@ -175,6 +176,15 @@ test('at the width of a phone, dark and light, nothing is cut off', { skip }, as
     assert.equal(light(back) > light(front), colorScheme === 'light');
     await page.screenshot({ path: join(pictures, `phone-${colorScheme}.png`), fullPage: true });
     assert.deepEqual(complaints, []);
+    await page.close();
+  }
+});
+
+test('axe-core has nothing serious against the page, dark and light', { skip }, async () => {
+  for (const colorScheme of ['dark', 'light']) {
+    const { page } = await opened({ colorScheme, bypassCSP: true });
+    await settled(page);
+    assert.deepEqual(await findings(page), [], colorScheme);
     await page.close();
   }
 });
