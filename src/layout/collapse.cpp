@@ -206,8 +206,7 @@ void Collapse::solve(std::uint32_t node, std::uint32_t end, Costs& costs) {
 
 void Collapse::solve_leaf(std::uint32_t node, Costs& costs) {
   const BinaryNode& binary = tree_->nodes[node];
-  const float cost =
-      visits(node) * (costs_.leaf + costs_.triangle * static_cast<float>(binary.count));
+  const float cost = visits(node) * (costs_.leaf + costs_.triangle * static_cast<float>(binary.count));
   std::fill_n(costs.of, width_, cost);
   costs.references = binary.count;
   costs.leaves = 1;

@@ -34,8 +34,8 @@ Distribute& distribute(std::uint32_t width, Target target);
 /// The cost-optimal way to cut a binary tree into nodes of up to w children (Ylitie, Karras & Laine
 /// 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3).
 ///
-/// With C(n, i) the minimum cost of the subtree n when it takes up to i slots of a wide node, and A(n) half the
-/// area of its box or, where the tree knows them, its expected visits,
+/// With C(n, i) the minimum cost of the subtree n when it takes up to i slots of a wide node, and A(n) half
+/// the area of its box or, where the tree knows them, its expected visits,
 ///
 ///     C(n, 1) = min(leaf, A(n) + D(n, w))           one child: a leaf or a wide node
 ///     C(n, i) = min(D(n, i), C(n, i - 1))           2 <= i < w

@@ -39,13 +39,11 @@ RayFlux::RayFlux(const Box3f& scene, std::span<const Ray> ways) {
     scale_[axis] = static_cast<float>(cells) / length;
   }
   everywhere_ = (min_everywhere + share_everywhere * static_cast<float>(ways.size())) / half_area(scene);
-  parallel_for(7, [&](int table) {
+  parallel_for(std::size_t{7}, [&](std::size_t table) {
     if (table == 6) {
       starting_ = starting(ways);
     } else {
-      const int axis = table / 2, downwards = table % 2;
-      crossing_[static_cast<std::size_t>(axis)][static_cast<std::size_t>(downwards)] =
-          crossing(axis, downwards != 0, ways);
+      crossing_[table / 2][table % 2] = crossing(static_cast<int>(table / 2), table % 2 != 0, ways);
     }
   });
 }
