@@ -105,7 +105,7 @@ TEST(Tracing, HeapsOfTrianglesInAnyOrderOfCornersAreHitAtTheLowestNumber) {
   for (int copy = 0; copy < 300; ++copy) {
     std::array<std::uint32_t, 3> triangle;
     std::copy_n(once.begin() + static_cast<std::ptrdiff_t>(3 * (random() % count)), 3, triangle.begin());
-    for (unsigned turns = random() % 3; turns > 0; --turns)
+    for (auto turns = random() % 3; turns > 0; --turns)
       std::rotate(triangle.begin(), triangle.begin() + 1, triangle.end());
     if (random() % 4 == 0) std::swap(triangle[0], triangle[1]);
     for (std::uint32_t& corner : triangle) {
