@@ -328,10 +328,11 @@ TEST(Tool, RendersThreeModesThatDiffer) {
   }
 }
 
-// Three tetrahedra by three nodes that show one mesh, and one by a node of its own.
+// Three octahedra by three nodes that show one mesh, and one by a node of its own.
 std::string file_of_instances(const TemporaryDirectory& directory) {
-  const std::string points = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/";
-  const std::string corners = "AAACAAEAAAABAAMAAAADAAIAAQACAAMA";
+  const std::string points =
+      "AACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAvwAAAAAAAAAAAAAAAAAAgL8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIC/";
+  const std::string corners = "AAABAAQAAQACAAQAAgADAAQAAwAAAAQAAQAAAAUAAgABAAUAAwACAAUAAAADAAUA";
   const Json primitives = {{{"attributes", {{"POSITION", 0}}}, {"indices", 1}}};
   const Json gltf = {
       {"asset", {{"version", "2.0"}}},
@@ -343,12 +344,12 @@ std::string file_of_instances(const TemporaryDirectory& directory) {
         {{"mesh", 1}, {"translation", {2, 2, 0}}}}},
       {"meshes", {{{"primitives", primitives}}, {{"primitives", primitives}}}},
       {"accessors",
-       {{{"bufferView", 0}, {"componentType", 5126}, {"count", 4}, {"type", "VEC3"}},
-        {{"bufferView", 1}, {"componentType", 5123}, {"count", 12}, {"type", "SCALAR"}}}},
-      {"bufferViews", {{{"buffer", 0}, {"byteLength", 48}}, {{"buffer", 1}, {"byteLength", 24}}}},
+       {{{"bufferView", 0}, {"componentType", 5126}, {"count", 6}, {"type", "VEC3"}},
+        {{"bufferView", 1}, {"componentType", 5123}, {"count", 24}, {"type", "SCALAR"}}}},
+      {"bufferViews", {{{"buffer", 0}, {"byteLength", 72}}, {{"buffer", 1}, {"byteLength", 48}}}},
       {"buffers",
-       {{{"byteLength", 48}, {"uri", "data:application/octet-stream;base64," + points}},
-        {{"byteLength", 24}, {"uri", "data:application/octet-stream;base64," + corners}}}}};
+       {{{"byteLength", 72}, {"uri", "data:application/octet-stream;base64," + points}},
+        {{"byteLength", 48}, {"uri", "data:application/octet-stream;base64," + corners}}}}};
   write_bytes(directory / "instances.gltf", gltf.dump());
   return directory.file("instances.gltf");
 }
@@ -363,11 +364,11 @@ TEST(Tool, InstancesAreKeptShownAndTraced) {
     ASSERT_EQ(outcome.status, 0) << outcome.errors;
     EXPECT_NE(outcome.output.find("instances             4 of 2 meshes"), std::string::npos)
         << outcome.output;
-    EXPECT_NE(outcome.output.find("triangles             16, of 8 in meshes"), std::string::npos);
+    EXPECT_NE(outcome.output.find("triangles             32, of 16 in meshes"), std::string::npos);
     const Json info = Json::parse(run_tool("info " + name + " --json -").output);
-    EXPECT_EQ(info["triangles"], 16);
+    EXPECT_EQ(info["triangles"], 32);
     EXPECT_EQ(info["shared"]["instances"], 4);
-    EXPECT_EQ(info["shared"]["triangles"], 8);
+    EXPECT_EQ(info["shared"]["triangles"], 16);
     EXPECT_EQ(info["closed"], true);
     const Json bench =
         Json::parse(run_tool("bench " + name + " --threads 1 --peers none --json -").output)["scenes"][0];
@@ -383,7 +384,7 @@ TEST(Tool, InstancesAreKeptShownAndTraced) {
     }
   }
   const Json copied = Json::parse(run_tool("info " + file + " --builder sbvh --json -").output);
-  EXPECT_EQ(copied["triangles"], 16);
+  EXPECT_EQ(copied["triangles"], 32);
   EXPECT_TRUE(copied["shared"].is_null());
   EXPECT_EQ(run_tool("compare " + file + quick + " --json -").status, 0);
 }

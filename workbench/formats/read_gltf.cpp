@@ -117,6 +117,13 @@ class GltfReader {
     for (const Draw& draw : draws)
       for (const Transform& transform : draw.transforms)
         if (is_movable(draw, transform)) ++counts[key_of(draw)];
+    // A place takes the memory of about four triangles, and rays take longer to enter it: where nothing is
+    // saved, triangles are copied.
+    constexpr std::uint64_t triangles_of_a_place = 4;
+    const auto is_kept = [&](const Key& key) {
+      const std::uint64_t count = counts[key];
+      return count > 1 && (count - 1) * meshes_[key.first].triangles > count * triangles_of_a_place;
+    };
     Divided divided;
     std::map<Key, std::size_t> places;  // in `often`
     for (const Draw& draw : draws) {
@@ -124,7 +131,7 @@ class GltfReader {
       Draw rest = draw;
       rest.transforms.clear();
       for (const Transform& transform : draw.transforms) {
-        if (!is_movable(draw, transform) || counts[key] < 2) {
+        if (!is_movable(draw, transform) || !is_kept(key)) {
           rest.transforms.push_back(transform);
           continue;
         }

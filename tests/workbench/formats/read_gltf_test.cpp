@@ -247,6 +247,17 @@ TEST(ReadGltf, NodesMoveWhatIsBelowThem) {
   EXPECT_NE(tell(load(maker.glb())).find("instances: 3 of 1 meshes"), std::string::npos);
 }
 
+// One above another: enough triangles for places to take less memory than copies.
+Maker layers_maker(std::size_t count) {
+  std::vector<float> points;
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = 0; k < unit_points.size(); ++k)
+      points.push_back(unit_points[k] + (k % 3 == 2 ? static_cast<float>(i) : 0.0f));
+  Maker maker;
+  maker.add_primitive(maker.add_points(points));
+  return maker;
+}
+
 // As `load`, with what several nodes show kept once.
 Scene load_kept(const Maker& maker) {
   const TemporaryDirectory directory;
@@ -256,7 +267,8 @@ Scene load_kept(const Maker& maker) {
 }
 
 TEST(ReadGltf, WhatSeveralNodesShowIsKeptOnce) {
-  Maker maker = unit_maker();
+  constexpr std::size_t count = 8;
+  Maker maker = layers_maker(count);
   const double half = std::sqrt(0.5);
   maker.json["meshes"].push_back(maker.json["meshes"][0]);  // shown once
   maker.json["nodes"] = {{{"children", {1, 2, 4, 5}}, {"translation", {0, 0, 5}}},
@@ -268,11 +280,11 @@ TEST(ReadGltf, WhatSeveralNodesShowIsKeptOnce) {
   const Scene scene = load_kept(maker);
   ASSERT_TRUE(scene.placed);
   EXPECT_TRUE(scene.triangles.empty());
-  EXPECT_EQ(scene.triangle_count(), 5u);
+  EXPECT_EQ(scene.triangle_count(), 5 * count);
   const PlacedMeshes& placed = *scene.placed;
   ASSERT_EQ(placed.meshes.size(), 2u);
-  EXPECT_EQ(placed.meshes[0].triangles.size(), 2u);  // what is shown once, and what is flat
-  EXPECT_EQ(placed.meshes[1].triangles.size(), 1u);
+  EXPECT_EQ(placed.meshes[0].triangles.size(), 2 * count);  // what is shown once, and what is flat
+  EXPECT_EQ(placed.meshes[1].triangles.size(), count);
   EXPECT_EQ(placed.places.size(), 4u);
   Scene copied;
   PlacedMeshes::Mesh flat = flattened(placed, 1000);
@@ -291,6 +303,15 @@ TEST(ReadGltf, WhatSeveralNodesShowIsKeptOnce) {
   EXPECT_NE(tell(scene).find("instances: 5 of 2 meshes"), std::string::npos) << tell(scene);
 }
 
+TEST(ReadGltf, CopiesThatTakeNoMoreMemoryThanPlacesAreMade) {
+  Maker maker = unit_maker();
+  maker.json["nodes"] = {
+      {{"mesh", 0}}, {{"mesh", 0}, {"scale", {-2, 1, 1}}}, {{"mesh", 0}, {"translation", {1, 2, 3}}}};
+  const Scene scene = load_kept(maker);
+  EXPECT_FALSE(scene.placed);
+  EXPECT_EQ(triangles_of(scene), read(maker));
+}
+
 TEST(ReadGltf, WhatIsShownOnceIsOneMesh) {
   Maker maker = unit_maker();
   maker.json["meshes"].push_back(maker.json["meshes"][0]);
@@ -302,9 +323,11 @@ TEST(ReadGltf, WhatIsShownOnceIsOneMesh) {
 
 // Weights of morph targets make another mesh of it.
 TEST(ReadGltf, MeshesThatNodesPoseDifferentlyAreDifferent) {
-  Maker maker = unit_maker();
-  maker.json["meshes"][0]["primitives"][0]["targets"] = {
-      {{"POSITION", maker.add_points({0, 0, 1, 0, 0, 1, 0, 0, 1})}}};
+  constexpr std::size_t count = 16;
+  Maker maker = layers_maker(count);
+  std::vector<float> up;
+  for (std::size_t i = 0; i < 3 * count; ++i) up.insert(up.end(), {0, 0, 1});
+  maker.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", maker.add_points(up)}}};
   maker.json["nodes"] = {{{"children", {1, 2, 3, 4}}},
                          {{"mesh", 0}, {"weights", {1}}},
                          {{"mesh", 0}, {"weights", {1}}, {"translation", {5, 0, 0}}},
@@ -313,8 +336,8 @@ TEST(ReadGltf, MeshesThatNodesPoseDifferentlyAreDifferent) {
   const Scene scene = load_kept(maker);
   ASSERT_TRUE(scene.placed);
   EXPECT_EQ(scene.placed->meshes.size(), 2u);
-  EXPECT_EQ(scene.placed->stored_triangles(), 3u);
-  EXPECT_EQ(scene.triangle_count(), 4u);
+  EXPECT_EQ(scene.placed->stored_triangles(), 3 * count);
+  EXPECT_EQ(scene.triangle_count(), 4 * count);
 }
 
 TEST(ReadGltf, TheSceneIsTheOneThatTheFileNames) {
