@@ -25,7 +25,7 @@ static_assert(sizeof(kerf_triangle) == 36 && sizeof(kerf_box) == 24 && sizeof(ke
 static_assert(sizeof(kerf_scene_hit) == 24 && sizeof(kerf_scene_point) == 36);
 static_assert(sizeof(kerf_hit_geometry) == 52 && sizeof(kerf_mesh_statistics) == 48);
 // These only grow, at their end.
-static_assert(sizeof(kerf_mesh) == 64 && sizeof(kerf_double_mesh) == 64 && sizeof(kerf_build_options) == 72);
+static_assert(sizeof(kerf_mesh) == 64 && sizeof(kerf_double_mesh) == 64 && sizeof(kerf_build_options) == 88);
 static_assert(sizeof(kerf_statistics) == 80 && sizeof(kerf_batch_options) == 16);
 static_assert(sizeof(kerf_rays) == 160 && sizeof(kerf_hits) == 96 && sizeof(kerf_points) == 32);
 static_assert(sizeof(kerf_refit_report) == 24 && sizeof(kerf_instance) == 128);
