@@ -70,6 +70,9 @@ inline const float* leaf_rows(const WideBvh& bvh, ChildLink leaf) {
   return reinterpret_cast<const float*>(leaf_words(bvh, leaf));
 }
 
+/// Whether two triangles in leaves have the same corners, bit by bit.
+bool same_corners(const WideBvh& bvh, ChildLink leaf, std::uint32_t i, ChildLink other, std::uint32_t j);
+
 inline Triangle triangle_in(const WideBvh& bvh, ChildLink leaf, std::uint32_t i) {
   return triangle_in(bvh.leaves, leaf, i);
 }

@@ -81,30 +81,6 @@ HWY_INLINE Hit settled_hit(const WideBvh& bvh, const Ray& ray, const Nearest& ne
   return {.t = crossing.t, .u = crossing.u, .v = crossing.v, .primitive = nearest.primitive};
 }
 
-// Whether `best` is that triangle, corner by corner and bit by bit. A ray meets both at the same t then, of
-// which nothing need be known: their numbers decide.
-HWY_INLINE bool same_corners(const WideBvh& bvh, ChildLink leaf, std::uint32_t i, const Nearest& best) {
-  if (best.primitive == invalid_id) return false;
-  const ChildLink other(best.link);
-  const std::uint32_t *words = leaf_words(bvh, leaf) + i, *others = leaf_words(bvh, other) + best.lane;
-  for (std::size_t row = 0; row < 9; ++row) {
-    if (words[row * leaf.count()] != others[row * other.count()]) return false;
-  }
-  return true;
-}
-
-// The lanes of a group whose corners are those of triangle `i` of the same leaf, bit by bit.
-HWY_INLINE std::uint32_t lanes_with_corners_of(const WideBvh& bvh, ChildLink leaf, std::uint32_t begin,
-                                               std::uint32_t i) {
-  static_assert(LeafFloats::vectors == 1);
-  const hn::RebindToUnsigned<LeafFloats::Tag> tag;
-  const std::uint32_t* words = leaf_words(bvh, leaf);
-  auto different = hn::Zero(tag);
-  for (std::size_t row = 0; row < 9; ++row, words += leaf.count())
-    different = hn::Or(different, hn::Xor(hn::LoadU(tag, words + begin), hn::Set(tag, words[i])));
-  return bits(tag, hn::Eq(different, hn::Zero(tag)));
-}
-
 HWY_INLINE void take_if_lower(std::uint32_t primitive, ChildLink leaf, std::uint32_t i, Nearest& best) {
   if (primitive >= best.primitive) return;
   best.primitive = primitive;
@@ -119,7 +95,8 @@ template <class Filter>
 HWY_NOINLINE HWY_ATTR Nearest nearer_of(const WideBvh& bvh, ChildLink leaf, std::uint32_t i, const Ray& ray,
                                         float t_min, const Filter& filter, Nearest best) {
   if constexpr (!Filter::filters) {
-    if (same_corners(bvh, leaf, i, best)) {
+    // A ray meets both at the same t then, of which nothing need be known: their numbers decide.
+    if (best.primitive != invalid_id && same_corners(bvh, leaf, i, ChildLink(best.link), best.lane)) {
       take_if_lower(triangle_id(bvh, leaf, i), leaf, i, best);
       return best;
     }
@@ -136,33 +113,6 @@ HWY_NOINLINE HWY_ATTR Nearest nearer_of(const WideBvh& bvh, ChildLink leaf, std:
   best.primitive = primitive;
   best.link = leaf.bits();
   best.lane = i;
-  return best;
-}
-
-// Out of line, too: the triangles of a group in `lanes`, each as in `nearer_of`, until one is nearer where
-// any hit will do. In a heap of equal triangles all of a group go at once.
-template <bool any_hit, class Filter>
-HWY_NOINLINE HWY_ATTR Nearest nearest_of(const WideBvh& bvh, ChildLink leaf, std::uint32_t begin,
-                                         std::uint32_t lanes, const Ray& ray, float t_min,
-                                         const Filter& filter, Nearest best) {
-  while (lanes != 0) {
-    const std::uint32_t i = begin + static_cast<std::uint32_t>(std::countr_zero(lanes));
-    if constexpr (!Filter::filters) {
-      if (same_corners(bvh, leaf, i, best)) {
-        std::uint32_t equal = lanes & lanes_with_corners_of(bvh, leaf, begin, i);
-        lanes &= ~equal;
-        for (; equal != 0; equal &= equal - 1) {
-          const std::uint32_t lane = begin + static_cast<std::uint32_t>(std::countr_zero(equal));
-          take_if_lower(triangle_id(bvh, leaf, lane), leaf, lane, best);
-        }
-        continue;
-      }
-    }
-    lanes &= lanes - 1;
-    const std::uint32_t before = best.primitive;
-    best = nearer_of(bvh, leaf, i, ray, t_min, filter, best);
-    if (any_hit && best.primitive != before) break;
-  }
   return best;
 }
 
@@ -296,12 +246,11 @@ HWY_INLINE bool intersect_group(const LeafConstants& constants, const WideBvh& b
       changed = true;
       continue;
     }
-    near &= less_or_equal(first, broadcast<leaf_group>(best.last));
-    if (near == 0) break;
-    const Nearest other = nearest_of<any_hit>(bvh, leaf, begin, near, ray, constants.t_min, filter, best);
+    if (firsts[i] > best.last) continue;
+    const Nearest other = nearer_of(bvh, leaf, begin + i, ray, constants.t_min, filter, best);
     changed |= other.primitive != best.primitive;
     best = other;
-    break;
+    if (any_hit && changed) return true;
   }
   return changed;
 }
