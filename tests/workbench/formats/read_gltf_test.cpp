@@ -227,6 +227,12 @@ TEST(ReadGltf, SparseElementsReplaceOthersOrZeros) {
   expect_error(wrong, Error::bad_format, "accessors[0]: a count of 1000000000000 without bytes");
 }
 
+TEST(ReadGltf, ErrorsAreOneLineWhateverTheFileSpells) {
+  Maker maker = unit_maker();
+  maker.json["accessors"][0]["type"] = "V\r\n\tEC\x1b[2J";
+  expect_error(maker, Error::bad_format, R"(accessors[0]: 'V\r\n\tEC\x1b[2J' is not a type of accessors)");
+}
+
 TEST(ReadGltf, NodesMoveWhatIsBelowThem) {
   Maker maker = unit_maker();
   const double half = std::sqrt(0.5);
