@@ -14,6 +14,7 @@
 #include "arguments.hpp"
 #include "commands.hpp"
 #include "output.hpp"
+#include "workbench/base/raise.hpp"
 #include "workbench/compare/measures.hpp"
 #include "workbench/open/load_rays.hpp"
 #include "workbench/rays/rays.hpp"
@@ -140,8 +141,8 @@ void run(const Options& options) {
       std::move(load_scenes({options.scene}, options.format, workbench::Repeats::kept).front());
   if (scene.placed) {
     if (!options.rays.empty())
-      throw kerf::Error(kerf::Error::invalid_argument,
-                        scene.name + ": --rays is for one mesh, and this is a scene of instances");
+      workbench::raise(kerf::Error::invalid_argument, scene.name,
+                       "--rays is for one mesh, and this is a scene of instances");
     std::string description;
     const kerf::Scene places =
         name_errors(scene, [&] { return build_places(*scene.placed, build, description); });

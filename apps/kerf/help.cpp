@@ -22,20 +22,16 @@ class FoldingHelp : public CLI::Formatter {
     return folded(CLI::Formatter::make_option_desc(option));
   }
   std::string make_subcommand(const CLI::App* command) const override {
-    std::string text = folded(command->get_description()), line = "  " + command->get_name();
-    line.resize(std::max(line.size() + 1, names_width), ' ');
-    for (const char c : text) {
-      line += c;
-      if (c == '\n') line.append(names_width, ' ');
-    }
-    return line + "\n";
+    return workbench::beside_name("  " + command->get_name(), command->get_description(), names_width,
+                                  workbench::columns_of(stdout));
   }
 
  private:
-  static constexpr std::size_t names_width = 30, min_room = 24;  // narrower text is hard to read
+  static constexpr std::size_t names_width = 30;
 
   static std::string folded(const std::string& text) {
-    const std::size_t columns = std::max(workbench::columns_of(stdout), names_width + min_room);
+    const std::size_t columns =
+        std::max(workbench::columns_of(stdout), names_width + workbench::min_text_width);
     std::string lines = workbench::fold_text(text, columns - names_width);
     lines.pop_back();
     return lines;

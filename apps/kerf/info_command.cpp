@@ -18,6 +18,7 @@
 #include "workbench/compare/measures.hpp"
 #include "workbench/scene/placed.hpp"
 #include "workbench/scene/surface.hpp"
+#include "workbench/terminal/table.hpp"
 #include "workbench/terminal/terminal.hpp"
 
 namespace kerf_tool {
@@ -175,18 +176,6 @@ Facts find_facts(const Scene& scene, const Options& options) {
   return facts;
 }
 
-// A line of at most `columns` characters, or several: the value goes on below where it began.
-std::string fact(std::string_view name, const std::string& value, std::size_t columns) {
-  constexpr std::size_t begin = 24, min_room = 24;  // narrower text is hard to read
-  std::string text = fmt::format("  {:<{}}", name, begin - 2);
-  const std::string lines = fold_text(value, std::max(columns, begin + min_room) - begin);
-  for (std::size_t at = 0, end; at < lines.size(); at = end + 1) {
-    end = lines.find('\n', at);
-    text += fmt::format("{:{}}{}\n", "", at == 0 ? 0 : begin, lines.substr(at, end - at));
-  }
-  return text;
-}
-
 std::string format_point(const kerf::Vec3f& p) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z);
 }
@@ -201,8 +190,9 @@ std::string format_leaf_sizes(const std::vector<std::size_t>& leaf_sizes) {
 }
 
 std::string describe(const Scene& scene, const Facts& facts, std::size_t columns) {
+  constexpr std::size_t values_begin = 24;
   const auto line = [=](std::string_view name, const std::string& value) {
-    return fact(name, value, columns);
+    return beside_name(fmt::format("  {}", name), value, values_begin, columns);
   };
   const kerf::Box3f& box = facts.bounds;
   const TreeFacts& tree = facts.tree;

@@ -13,9 +13,9 @@
 namespace kerf {
 
 /// What a tree is expected to cost once it is laid out, in measures of boxes (half areas, or the rays that
-/// meet them): an inner node of more references than
-/// a leaf of the layout has counts once, and a leaf of the layout, which is the largest subtree of no more,
-/// `leaf_cost` times. What lies within such a leaf costs nothing, since its triangles are tested together.
+/// meet them): an inner node of more references than a leaf of the layout has counts once, and a leaf of the
+/// layout, which is the largest subtree of no more, `leaf` times. What lies within such a leaf costs nothing,
+/// since its triangles are tested together.
 struct ReinsertionCosts {
   double leaf = 3.0;
 };
@@ -44,7 +44,7 @@ class Reinsertion {
 
  private:
   struct Move {
-    float gain;  // in half areas of inner nodes
+    float gain;  // in measures of inner nodes
     std::uint32_t node, target;
   };
 

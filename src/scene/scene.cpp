@@ -1,6 +1,5 @@
 // The handle of a scene, and how it is built.
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <utility>

@@ -13,6 +13,7 @@
 #include "build.hpp"
 #include "files/checksum.hpp"
 #include "support/build_options.hpp"
+#include "support/progress.hpp"
 #include "support/random_triangles.hpp"
 #include "support/targets.hpp"
 #include "tree/validate.hpp"
@@ -152,25 +153,9 @@ TEST(Refinement, HitsAreThoseOfTheTreeBefore) {
 TEST(Refinement, TellsItsProgressAndStopsWhenTold) {
   const workbench::Scene scene = make_scene("atrium", 20000.0);
   for (const Quality quality : qualities) {
-    std::vector<float> told;
-    BuildOptions options{.quality = quality};
-    options.progress = [&](float fraction) {
-      told.push_back(fraction);
-      return true;
-    };
-    (void)build(scene.mesh(), options);
-    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
-    EXPECT_LE(told.back(), 1.0f);
-    EXPECT_GT(told.back(), 0.6f) << "the refinement has its share";
-    // Cancelled at the last word, which is that of the refinement.
-    const float last = told.back();
-    options.progress = [&](float fraction) { return fraction < last; };
-    try {
-      (void)build(scene.mesh(), options);
-      FAIL() << "was not cancelled";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), Error::cancelled);
-    }
+    // The last word is that of the refinement.
+    const float last = kerf_tests::expect_progress_and_cancelling(scene.mesh(), {.quality = quality});
+    EXPECT_GT(last, 0.6f) << "the refinement has its share";
   }
 }
 

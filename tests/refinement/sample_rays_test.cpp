@@ -16,6 +16,7 @@
 #include "refinement/expected_visits.hpp"
 #include "refinement/ray_flux.hpp"
 #include "refinement/sample_ways.hpp"
+#include "support/progress.hpp"
 #include "support/random_triangles.hpp"
 #include "support/targets.hpp"
 #include "tree/validate.hpp"
@@ -292,25 +293,8 @@ TEST(SampleRays, OfManySomeAreTakenEvenly) {
 TEST(SampleRays, ABuildForThemTellsItsProgressAndStopsWhenTold) {
   const workbench::Scene scene = make_city();
   const std::vector<Ray> known = camera_rays(scene, 0);
-  for (const Quality quality : qualities) {
-    std::vector<float> told;
-    BuildOptions options{.quality = quality, .sample_rays = known};
-    options.progress = [&](float fraction) {
-      told.push_back(fraction);
-      return true;
-    };
-    (void)build(scene.mesh(), options);
-    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
-    EXPECT_LE(told.back(), 1.0f);
-    const float last = told.back();
-    options.progress = [&](float fraction) { return fraction < last; };
-    try {
-      (void)build(scene.mesh(), options);
-      FAIL() << "was not cancelled";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), Error::cancelled);
-    }
-  }
+  for (const Quality quality : qualities)
+    kerf_tests::expect_progress_and_cancelling(scene.mesh(), {.quality = quality, .sample_rays = known});
 }
 
 // A mesh in double precision has an origin of its own, and rays come in the coordinates of the mesh.

@@ -155,4 +155,16 @@ std::string fold_text(const std::string& text, std::size_t max_width) {
   return folded;
 }
 
+std::string beside_name(std::string_view name, const std::string& text, std::size_t begin,
+                        std::size_t max_width) {
+  std::string lines(name);
+  lines.resize(std::max(lines.size() + 1, begin), ' ');
+  const std::string folded = fold_text(text, std::max(max_width, begin + min_text_width) - begin);
+  for (std::size_t i = 0; i < folded.size(); ++i) {
+    lines += folded[i];
+    if (folded[i] == '\n' && i + 1 < folded.size()) lines.append(begin, ' ');
+  }
+  return lines;
+}
+
 }  // namespace workbench

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace workbench {
@@ -37,5 +38,13 @@ std::string format(const std::vector<Column>& columns, Emphasis emphasis,
 
 /// `text` on lines of at most `max_width` characters, divided at its blanks, each ended with a line break.
 std::string fold_text(const std::string& text, std::size_t max_width = default_columns);
+
+/// Narrower text is hard to read.
+inline constexpr std::size_t min_text_width = 24;
+
+/// `name`, and `text` beside it from column `begin` on, folded: it goes on below where it began, and is at
+/// least `min_text_width` wide.
+std::string beside_name(std::string_view name, const std::string& text, std::size_t begin,
+                        std::size_t max_width);
 
 }  // namespace workbench
