@@ -148,6 +148,12 @@ void ask(FuzzedDataProvider& input, const kerf_scene* scene) {
   kerf_scene_point closest;
   expect(kerf_scene_contains(scene, from.origin, &inside), true);
   expect(kerf_scene_closest_point(scene, from.origin, number(input), &closest), true);
+  kerf_side side;
+  expect(kerf_scene_get_side(scene, from.origin, &side), true);
+  list<kerf_scene_point>(input, [&](kerf_scene_point* to, std::size_t capacity, std::size_t* count) {
+    return kerf_scene_nearest(scene, from.origin, input.ConsumeIntegral<std::uint8_t>(), number(input), to,
+                              capacity, count);
+  });
   list<kerf_scene_point>(input, [&](kerf_scene_point* to, std::size_t capacity, std::size_t* count) {
     return kerf_scene_within(scene, from.origin, number(input), to, capacity, count);
   });

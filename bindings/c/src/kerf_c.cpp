@@ -427,6 +427,13 @@ kerf_status kerf_build_double(const kerf_double_mesh* meshes, size_t mesh_count,
                                                    "kerf_double_mesh", options, bvh);
 }
 
+kerf_status kerf_build_memory_bound(size_t triangle_count, const kerf_build_options* options, size_t* bytes) {
+  return guarded([&] {
+    require(bytes);
+    *bytes = kerf::build_memory_bound(triangle_count, to_options(options));
+  });
+}
+
 kerf_status kerf_refit(kerf_bvh** bvh, const kerf_mesh* meshes, size_t mesh_count,
                        const kerf_build_options* options, kerf_refit_report* report) {
   return guarded([&] {
@@ -988,6 +995,12 @@ kerf_status kerf_scene_contains(const kerf_scene* scene, const float point[3], i
     *inside = scene->scene.contains(to_point(point));
   });
 }
+kerf_status kerf_scene_get_side(const kerf_scene* scene, const float point[3], kerf_side* side) {
+  return guarded([&] {
+    require(scene, point, side);
+    *side = static_cast<kerf_side>(scene->scene.side(to_point(point)));
+  });
+}
 kerf_status kerf_scene_closest_point(const kerf_scene* scene, const float point[3], float max_distance,
                                      kerf_scene_point* closest) {
   return guarded([&] {
@@ -1001,6 +1014,14 @@ kerf_status kerf_scene_signed_distance(const kerf_scene* scene, const float poin
   return guarded([&] {
     require(scene, point, distance);
     *distance = scene->scene.signed_distance(to_point(point));
+  });
+}
+kerf_status kerf_scene_nearest(const kerf_scene* scene, const float point[3], size_t wanted,
+                               float max_distance, kerf_scene_point* nearest, size_t capacity,
+                               size_t* count) {
+  return guarded([&] {
+    require(scene, point, count);
+    hand_out(scene->scene.nearest(to_point(point), wanted, max_distance), nearest, capacity, count);
   });
 }
 kerf_status kerf_scene_within(const kerf_scene* scene, const float point[3], float radius,
@@ -1125,6 +1146,16 @@ kerf_status kerf_scene_contains_many(const kerf_scene* scene, const kerf_points*
     scene->scene.contains(view, answers(inside, view.size()), to_options(options));
   });
 }
+kerf_status kerf_scene_side_many(const kerf_scene* scene, const kerf_points* points, uint8_t* sides,
+                                 const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    const kerf::PointView view = to_view(points);
+    const std::span<uint8_t> bytes = answers(sides, view.size());
+    scene->scene.side(view, std::span(reinterpret_cast<kerf::Side*>(bytes.data()), bytes.size()),
+                      to_options(options));
+  });
+}
 kerf_status kerf_scene_closest_point_many(const kerf_scene* scene, const kerf_points* points,
                                           float max_distance, kerf_scene_point* closest,
                                           const kerf_batch_options* options) {
@@ -1141,6 +1172,15 @@ kerf_status kerf_scene_signed_distance_many(const kerf_scene* scene, const kerf_
     require(scene);
     const kerf::PointView view = to_view(points);
     scene->scene.signed_distance(view, answers(distances, view.size()), to_options(options));
+  });
+}
+kerf_status kerf_scene_nearest_many(const kerf_scene* scene, const kerf_points* points, size_t wanted,
+                                    float max_distance, size_t* offsets, kerf_scene_point* nearest,
+                                    size_t capacity, const kerf_batch_options* options) {
+  return guarded([&] {
+    require(scene);
+    hand_out(scene->scene.nearest(to_view(points), wanted, max_distance, to_options(options)), offsets,
+             nearest, capacity);
   });
 }
 kerf_status kerf_scene_within_many(const kerf_scene* scene, const kerf_points* points, float radius,

@@ -515,11 +515,18 @@ TEST_F(CScene, OneRayAndOnePointAreAnsweredAsInCpp) {
     ASSERT_EQ(kerf_scene_contains(both, at.data(), &inside), KERF_OK);
     ASSERT_EQ(inside != 0, cpp.contains(place));
     inside_count += inside;
+    kerf_side side;
+    ASSERT_EQ(kerf_scene_get_side(both, at.data(), &side), KERF_OK);
+    ASSERT_EQ(side, static_cast<kerf_side>(cpp.side(place)));
     ASSERT_EQ(kerf_scene_signed_distance(both, at.data(), &distance), KERF_OK);
     ASSERT_EQ(distance, cpp.signed_distance(place));
     ASSERT_EQ(kerf_scene_closest_point(both, at.data(), 0.2f, &closest), KERF_OK);
     ASSERT_EQ(as<kerf::ScenePoint>(closest), cpp.closest_point(place, 0.2f).value_or(kerf::ScenePoint{}));
     std::vector<kerf_scene_point> list(100000);
+    ASSERT_EQ(kerf_scene_nearest(both, at.data(), 4, 0.5f, list.data(), list.size(), &count), KERF_OK);
+    ASSERT_EQ(
+        as<kerf::ScenePoint>(std::vector(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(count))),
+        cpp.nearest(place, 4, 0.5f));
     ASSERT_EQ(kerf_scene_within(both, at.data(), 0.2f, list.data(), list.size(), &count), KERF_OK);
     list.resize(count);
     ASSERT_EQ(as<kerf::ScenePoint>(list), cpp.within(place, 0.2f));
@@ -544,7 +551,7 @@ TEST_F(CScene, ManyAreAnsweredAsOneByOne) {
   const kerf_rays from = kerf_rays_of(rays.data(), rays.size());
   const kerf_points asked = kerf_points_of(points.data(), rays.size());
   std::vector<kerf_scene_hit> hits(rays.size());
-  std::vector<std::uint8_t> occluded(rays.size()), inside(rays.size());
+  std::vector<std::uint8_t> occluded(rays.size()), inside(rays.size()), sides(rays.size());
   std::vector<std::uint32_t> counts(rays.size());
   std::vector<float> distances(rays.size());
   std::vector<kerf_scene_point> closest(rays.size());
@@ -555,6 +562,7 @@ TEST_F(CScene, ManyAreAnsweredAsOneByOne) {
   ASSERT_EQ(kerf_scene_occluded_many(both, &from, occluded.data(), nullptr), KERF_OK);
   ASSERT_EQ(kerf_scene_count_hits_many(both, &from, counts.data(), nullptr), KERF_OK);
   ASSERT_EQ(kerf_scene_contains_many(both, &asked, inside.data(), nullptr), KERF_OK);
+  ASSERT_EQ(kerf_scene_side_many(both, &asked, sides.data(), nullptr), KERF_OK);
   ASSERT_EQ(kerf_scene_signed_distance_many(both, &asked, distances.data(), nullptr), KERF_OK);
   ASSERT_EQ(kerf_scene_closest_point_many(both, &asked, 0.3f, closest.data(), nullptr), KERF_OK);
   const auto all = cpp.all_hits(as<kerf::Ray>(rays));
@@ -564,6 +572,13 @@ TEST_F(CScene, ManyAreAnsweredAsOneByOne) {
   ASSERT_EQ(kerf_scene_all_hits_many(both, &from, offsets.data(), listed.data(), listed.size(), nullptr),
             KERF_OK);
   ASSERT_EQ(as<kerf::SceneHit>(listed), all.items);
+  const auto nearest = cpp.nearest(kerf::TripleView<float>(points), 3, 0.4f);
+  std::vector<kerf_scene_point> nearby(nearest.items.size());
+  ASSERT_EQ(
+      kerf_scene_nearest_many(both, &asked, 3, 0.4f, offsets.data(), nearby.data(), nearby.size(), nullptr),
+      KERF_OK);
+  ASSERT_EQ(offsets, nearest.offsets);
+  ASSERT_EQ(as<kerf::ScenePoint>(nearby), nearest.items);
   const auto within = cpp.within(kerf::TripleView<float>(points), 0.1f);
   std::vector<kerf_scene_point> found(within.items.size());
   ASSERT_EQ(kerf_scene_within_many(both, &asked, 0.1f, offsets.data(), found.data(), found.size(), nullptr),
@@ -576,6 +591,7 @@ TEST_F(CScene, ManyAreAnsweredAsOneByOne) {
     ASSERT_EQ(occluded[i] != 0, cpp.occluded(to));
     ASSERT_EQ(counts[i], cpp.count_hits(to));
     ASSERT_EQ(inside[i] != 0, cpp.contains(to.origin));
+    ASSERT_EQ(sides[i], static_cast<std::uint8_t>(cpp.side(to.origin)));
     ASSERT_EQ(distances[i], cpp.signed_distance(to.origin));
     ASSERT_EQ(as<kerf::ScenePoint>(closest[i]),
               cpp.closest_point(to.origin, 0.3f).value_or(kerf::ScenePoint{}));
@@ -829,6 +845,20 @@ TEST_F(CInterface, WhatCannotBeRightIsRefusedWithASentence) {
   std::string other_threads_error = "?";
   std::thread([&] { other_threads_error = kerf_last_error(); }).join();
   EXPECT_EQ(other_threads_error, "");
+}
+
+TEST_F(CInterface, TheMemoryOfABuildIsKnownBefore) {
+  kerf_build_options options = KERF_BUILD_OPTIONS_INIT;
+  options.max_reference_ratio = 3.0f;
+  std::size_t bytes = 0, more = 0;
+  ASSERT_EQ(kerf_build_memory_bound(1000, nullptr, &bytes), KERF_OK);
+  EXPECT_EQ(bytes, kerf::build_memory_bound(1000));
+  ASSERT_EQ(kerf_build_memory_bound(1000, &options, &more), KERF_OK);
+  EXPECT_EQ(more, kerf::build_memory_bound(1000, {.max_reference_ratio = 3.0f}));
+  EXPECT_GT(more, bytes);
+  options.max_reference_ratio = 0.0f;
+  EXPECT_EQ(kerf_build_memory_bound(1000, &options, &more), KERF_INVALID_ARGUMENT);
+  EXPECT_EQ(kerf_build_memory_bound(1000, nullptr, nullptr), KERF_INVALID_ARGUMENT);
 }
 
 // A program that was compiled with a later header, or with an earlier one.

@@ -54,6 +54,7 @@ int main() {
   const float near[3] = {10.25f, 0.25f, 6.5f};
   expect(pair.closest_point(near).distance == 0.5f && pair.within(near, 2.0f).size() == 2,
          "points of a scene");
+  expect(pair.nearest(near, 3).size() == 3 && pair.side(near) == KERF_OUTSIDE, "the nearest of a scene");
   const kerf_box around_one = {{10.1f, 0.1f, -0.5f}, {10.9f, 0.9f, 1.0f}};
   expect(pair.triangles_in(around_one).size() ==
              bvh.triangles_in({{0.1f, 0.1f, -0.25f}, {0.9f, 0.9f, 0.5f}}).size(),

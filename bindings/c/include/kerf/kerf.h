@@ -185,6 +185,9 @@ KERF_C_API kerf_status kerf_build(const kerf_mesh* meshes, size_t mesh_count,
                                   const kerf_build_options* options, kerf_bvh** bvh);
 KERF_C_API kerf_status kerf_build_double(const kerf_double_mesh* meshes, size_t mesh_count,
                                          const kerf_build_options* options, kerf_bvh** bvh);
+/* The most bytes that a build of so many triangles by KERF_SBVH or KERF_BVH holds at once. */
+KERF_C_API kerf_status kerf_build_memory_bound(size_t triangle_count, const kerf_build_options* options,
+                                               size_t* bytes);
 
 /* What a refit has made of a hierarchy. */
 typedef struct kerf_refit_report {
@@ -532,10 +535,14 @@ KERF_C_API kerf_status kerf_scene_all_hits(const kerf_scene* scene, const kerf_r
 KERF_C_API kerf_status kerf_scene_count_hits(const kerf_scene* scene, const kerf_ray* ray, size_t* count);
 /* 1 inside the closed surface that all triangles make, or on it, else 0. Where two overlap is outside. */
 KERF_C_API kerf_status kerf_scene_contains(const kerf_scene* scene, const float point[3], int* inside);
+KERF_C_API kerf_status kerf_scene_get_side(const kerf_scene* scene, const float point[3], kerf_side* side);
 KERF_C_API kerf_status kerf_scene_closest_point(const kerf_scene* scene, const float point[3],
                                                 float max_distance, kerf_scene_point* closest);
 KERF_C_API kerf_status kerf_scene_signed_distance(const kerf_scene* scene, const float point[3],
                                                   float* distance);
+KERF_C_API kerf_status kerf_scene_nearest(const kerf_scene* scene, const float point[3], size_t wanted,
+                                          float max_distance, kerf_scene_point* nearest, size_t capacity,
+                                          size_t* count);
 KERF_C_API kerf_status kerf_scene_within(const kerf_scene* scene, const float point[3], float radius,
                                          kerf_scene_point* points, size_t capacity, size_t* count);
 /* Each triangle once for each instance, in the order of (instance, mesh, primitive). Exact for triangles
@@ -577,17 +584,23 @@ KERF_C_API kerf_status kerf_scene_occluded_many_filtered(const kerf_scene* scene
                                                          const kerf_batch_options* options);
 KERF_C_API kerf_status kerf_scene_count_hits_many(const kerf_scene* scene, const kerf_rays* rays,
                                                   uint32_t* counts, const kerf_batch_options* options);
-/* The next and the last two have lists, as `kerf_within_many` has them. */
+/* The next and the last three have lists, as `kerf_within_many` has them. */
 KERF_C_API kerf_status kerf_scene_all_hits_many(const kerf_scene* scene, const kerf_rays* rays,
                                                 size_t* offsets, kerf_scene_hit* hits, size_t capacity,
                                                 const kerf_batch_options* options);
 KERF_C_API kerf_status kerf_scene_contains_many(const kerf_scene* scene, const kerf_points* points,
                                                 uint8_t* inside, const kerf_batch_options* options);
+KERF_C_API kerf_status kerf_scene_side_many(const kerf_scene* scene, const kerf_points* points,
+                                            uint8_t* sides, const kerf_batch_options* options);
 KERF_C_API kerf_status kerf_scene_closest_point_many(const kerf_scene* scene, const kerf_points* points,
                                                      float max_distance, kerf_scene_point* closest,
                                                      const kerf_batch_options* options);
 KERF_C_API kerf_status kerf_scene_signed_distance_many(const kerf_scene* scene, const kerf_points* points,
                                                        float* distances, const kerf_batch_options* options);
+KERF_C_API kerf_status kerf_scene_nearest_many(const kerf_scene* scene, const kerf_points* points,
+                                               size_t wanted, float max_distance, size_t* offsets,
+                                               kerf_scene_point* nearest, size_t capacity,
+                                               const kerf_batch_options* options);
 KERF_C_API kerf_status kerf_scene_within_many(const kerf_scene* scene, const kerf_points* points,
                                               float radius, size_t* offsets, kerf_scene_point* found,
                                               size_t capacity, const kerf_batch_options* options);

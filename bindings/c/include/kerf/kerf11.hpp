@@ -280,6 +280,11 @@ class Scene {
     check(kerf_scene_contains(scene_, point, &inside));
     return inside != 0;
   }
+  kerf_side side(const float (&point)[3]) const {
+    kerf_side side;
+    check(kerf_scene_get_side(scene_, point, &side));
+    return side;
+  }
   /// Its `primitive` is KERF_INVALID_ID where there is none.
   kerf_scene_point closest_point(const float (&point)[3],
                                  float max_distance = std::numeric_limits<float>::infinity()) const {
@@ -291,6 +296,13 @@ class Scene {
     float distance;
     check(kerf_scene_signed_distance(scene_, point, &distance));
     return distance;
+  }
+  std::vector<kerf_scene_point> nearest(const float (&point)[3], std::size_t wanted,
+                                        float max_distance = std::numeric_limits<float>::infinity()) const {
+    return detail::list<kerf_scene_point>(
+        [&](kerf_scene_point* to, std::size_t capacity, std::size_t* count) {
+          return kerf_scene_nearest(scene_, point, wanted, max_distance, to, capacity, count);
+        });
   }
   std::vector<kerf_scene_point> within(const float (&point)[3], float radius) const {
     return detail::list<kerf_scene_point>(
