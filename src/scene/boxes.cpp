@@ -40,10 +40,9 @@ void append_triangles_in(const SceneStructure& scene, const Box3f& box,
           found.push_back({place.primitive, place.mesh, number});
         }
       });
-  // Those of an object are in order by themselves.
-  std::stable_sort(
-      found.begin() + before, found.end(),
-      [](const ScenePrimitiveId& a, const ScenePrimitiveId& b) { return a.instance < b.instance; });
+  std::sort(found.begin() + before, found.end(), [](const ScenePrimitiveId& a, const ScenePrimitiveId& b) {
+    return std::tie(a.instance, a.mesh, a.primitive) < std::tie(b.instance, b.mesh, b.primitive);
+  });
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -42,11 +43,11 @@ template <class Node>
 std::uint64_t order_by_sorting(const std::vector<BinaryNode>& children, unsigned octant) {
   std::vector<std::uint32_t> slots(Node::width);
   std::iota(slots.begin(), slots.end(), 0u);
-  std::stable_sort(slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(children.size()),
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     return distance_along(children[a].bounds, octant) <
-                            distance_along(children[b].bounds, octant);
-                   });
+  const auto key = [&](std::uint32_t slot) {
+    return std::pair(distance_along(children[slot].bounds, octant), slot);
+  };
+  std::sort(slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(children.size()),
+            [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
   std::uint64_t order = 0;
   for (std::uint32_t place = 0; place < slots.size(); ++place)
     order |= std::uint64_t{slots[place]} << (Node::slot_bits * place);

@@ -9,6 +9,7 @@
 #include <random>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -78,6 +79,12 @@ SceneHit in_instance(const Hit& hit, std::uint32_t instance) {
   return {hit.t, hit.u, hit.v, hit.primitive, hit.mesh, instance};
 }
 
+void put_in_order(std::vector<SceneHit>& hits) {
+  std::sort(hits.begin(), hits.end(), [](const SceneHit& a, const SceneHit& b) {
+    return std::tie(a.t, a.instance, a.mesh, a.primitive) < std::tie(b.t, b.instance, b.mesh, b.primitive);
+  });
+}
+
 // All instances, one by one.
 std::vector<SceneHit> all_hits_one_by_one(std::span<const Instance> instances, const Ray& ray) {
   std::vector<SceneHit> hits;
@@ -85,7 +92,7 @@ std::vector<SceneHit> all_hits_one_by_one(std::span<const Instance> instances, c
     instances[i].object.all_hits(to_object(instances[i].transform, ray),
                                  [&](const Hit& hit) { hits.push_back(in_instance(hit, i)); });
   }
-  std::stable_sort(hits.begin(), hits.end(), [](const SceneHit& a, const SceneHit& b) { return a.t < b.t; });
+  put_in_order(hits);
   return hits;
 }
 SceneHit closest_one_by_one(std::span<const Instance> instances, const Ray& ray, Mask mask = {}) {
@@ -290,8 +297,7 @@ TEST(Scene, ScenesStandInScenesAndHitsNameThePath) {
           if (leaves[k].is_seen(mask) && hit.t < seen.t) seen = all.back();
         });
       }
-      std::stable_sort(all.begin(), all.end(),
-                       [](const SceneHit& a, const SceneHit& b) { return a.t < b.t; });
+      put_in_order(all);
       std::vector<SceneHit> hits;
       scene.all_hits(ray, [&](const SceneHit& each) { hits.push_back(each); });
       ASSERT_EQ(hits, all);
