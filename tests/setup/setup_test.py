@@ -137,6 +137,30 @@ def kernels_are_optimised_in_a_project_of_any_build_type(source, room):
     expect(not any(" -O" in command for command in kernels), "KERF_DEBUG leaves it to the build type")
 
 
+def programs_of_all_languages(source, room, *ways):
+    """They are built and run without optimisation and for the fallback alone: how kerf comes in is the question."""
+    options = ["-DCMAKE_BUILD_TYPE=", "-DKERF_DEBUG=ON", "-DKERF_LEAVE_OUT=AVX3,AVX2,SSE4"]
+    run("cmake", "-G", "Ninja", "-B", room / "build", *options, *ways, folder=source / "tests/package")
+    run("cmake", "--build", room / "build", folder=room)
+    run("ctest", "--no-tests=error", "--output-on-failure", folder=room / "build")
+
+
+def a_subdirectory_serves_programs_of_all_languages(source, room):
+    here = copy(source, room / "kerf")
+    programs_of_all_languages(here, room, "-DKERF_FROM=add_subdirectory", f"-DKERF_SOURCE={here}")
+
+
+def fetch_content_serves_programs_of_all_languages(source, room):
+    here = copy(source, room / "kerf")
+    author = ["-c", "user.name=nobody", "-c", "user.email=nobody"]
+    run("git", "init", "-q", folder=here)
+    run("git", "add", "-A", folder=here)
+    run("git", *author, "commit", "-q", "-m", "as it is", folder=here)
+    commit = run("git", "rev-parse", "HEAD", folder=here).strip()
+    ways = ["-DKERF_FROM=FetchContent", f"-DKERF_SOURCE={here}", f"-DKERF_COMMIT={commit}", "-DBUILD_SHARED_LIBS=ON"]
+    programs_of_all_languages(here, room, *ways)
+
+
 def cxx17_is_one_error_that_names_the_remedy(source, room):
     (room / "main.cpp").write_text("#include <kerf/kerf.hpp>\nint main() {}\n")
     command = ["c++", "-std=c++17", "-fsyntax-only", f"-I{source}/include", "main.cpp"]
