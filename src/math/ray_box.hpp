@@ -43,6 +43,10 @@ struct RayBoxes {
   /// At least the sums of D and of O.
   static constexpr float margin_of_distance = 160.0f, margin_of_origin = 4.0f;
 
+  /// No component of a direction counts as less than this part of the largest, which moves the ray by no more
+  /// than a quarter of a unit of D.
+  static constexpr float least_part = 0x1p-26f;
+
   Vec3f inverse, enter, leave;
   float distance = 0.0f;  ///< D
 
@@ -58,7 +62,7 @@ struct RayBoxes {
       largest = std::max(largest, std::abs(d[axis]));
     }
     const float margin = unit * (margin_of_distance * distance + margin_of_origin * coordinate);
-    const float smallest = 0x1p-26f * largest;  // moves the ray by no more than a quarter of a unit of D
+    const float smallest = least_part * largest;
     float r[3], e[3], l[3];
     for (int axis = 0; axis < 3; ++axis) {
       const float absolute = 1.0f / std::max(std::abs(d[axis]), smallest);

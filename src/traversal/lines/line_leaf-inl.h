@@ -72,18 +72,18 @@ HWY_INLINE bool set_up_line(const Ray& ray, const WideBvh& bvh, LineRay& out) {
     leaf.origin[i] = broadcast(wide.origin[i]);
     leaf.axis[i] = wide.axis[i];
   }
-  leaf.sx = broadcast(wide.sx);
-  leaf.sy = broadcast(wide.sy);
-  leaf.inverse_dz = broadcast(wide.inverse_dz);
+  leaf.sx = broadcast(wide.sx());
+  leaf.sy = broadcast(wide.sy());
+  leaf.inverse_dz = broadcast(wide.inverse_dz());
   // Where results might leave the range of a float, and for t in lengths of a scaled direction, everything is
   // left to exact arithmetic.
   const float infinity = std::numeric_limits<float>::infinity();
   const bool in_range = wide.min_value < infinity;
-  const float unit = wide.error / std::abs(wide.inverse_dz);  // 2^-24 D
+  const float unit = wide.error() / std::abs(wide.inverse_dz());  // 2^-24 D
   leaf.error_of_corner = broadcast(in_range ? corner_error * unit : infinity);
   leaf.error_of_mean =
-      broadcast(in_range && scale == 1.0 ? LeafConstants::mean_error * wide.error : infinity);
-  leaf.error_of_shear = broadcast(LeafConstants::shear_error * wide.error);
+      broadcast(in_range && scale == 1.0 ? LeafConstants::mean_error * wide.error() : infinity);
+  leaf.error_of_shear = broadcast(LeafConstants::shear_error * wide.error());
   leaf.t_min = broadcast(ray.t_min);
   leaf.t_max = broadcast(ray.t_max);
   return true;

@@ -28,7 +28,7 @@ namespace {
 
 // Grows all boxes by `margin` units of 2^-24 of the distance to the far side of the scene.
 HWY_INLINE void grow_boxes(WideRay& ray, float margin) {
-  const float unit = ray.error / std::abs(ray.inverse_dz);
+  const float unit = ray.error() / std::abs(ray.inverse_dz());
   for (int axis = 0; axis < 3; ++axis) {
     const float grown = margin * unit * std::abs(ray.inverse[axis]);
     ray.enter[axis] -= grown;

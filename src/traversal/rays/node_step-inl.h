@@ -79,18 +79,19 @@ template <bool forward, class Constants>
 HWY_INLINE Spans meet_boxes(const Constants& ray, BoxVector t_best, const Node& node) {
   const BoxVector inverse_x = box_vector(ray.inverse[0]), inverse_y = box_vector(ray.inverse[1]),
                   inverse_z = box_vector(ray.inverse[2]);
+  const auto& rows = rows_of(ray);
   Spans spans;
   for (std::size_t i = 0; i < NodeFloats::vectors; ++i) {
     const char* planes = reinterpret_cast<const char*>(&node.planes[0][0][0] + i * NodeFloats::lanes);
     const auto at = [planes](std::size_t row) HWY_ATTR {
       return hn::LoadU(NodeFloats::Tag(), reinterpret_cast<const float*>(planes + row));
     };
-    const BoxVector first_x = hn::MulAdd(at(ray.near[0]), inverse_x, box_vector(ray.enter[0]));
-    const BoxVector first_y = hn::MulAdd(at(ray.near[1]), inverse_y, box_vector(ray.enter[1]));
-    const BoxVector first_z = hn::MulAdd(at(ray.near[2]), inverse_z, box_vector(ray.enter[2]));
-    const BoxVector last_x = hn::MulAdd(at(ray.far[0]), inverse_x, box_vector(ray.leave[0]));
-    const BoxVector last_y = hn::MulAdd(at(ray.far[1]), inverse_y, box_vector(ray.leave[1]));
-    const BoxVector last_z = hn::MulAdd(at(ray.far[2]), inverse_z, box_vector(ray.leave[2]));
+    const BoxVector first_x = hn::MulAdd(at(rows.near[0]), inverse_x, box_vector(ray.enter[0]));
+    const BoxVector first_y = hn::MulAdd(at(rows.near[1]), inverse_y, box_vector(ray.enter[1]));
+    const BoxVector first_z = hn::MulAdd(at(rows.near[2]), inverse_z, box_vector(ray.enter[2]));
+    const BoxVector last_x = hn::MulAdd(at(rows.far[0]), inverse_x, box_vector(ray.leave[0]));
+    const BoxVector last_y = hn::MulAdd(at(rows.far[1]), inverse_y, box_vector(ray.leave[1]));
+    const BoxVector last_z = hn::MulAdd(at(rows.far[2]), inverse_z, box_vector(ray.leave[2]));
     const BoxVector t_min = box_vector(ray.t_min);
     if constexpr (forward) {
       spans.first.vector[i] =

@@ -111,7 +111,7 @@ class Packet {
     float min_margin, max_margin;
     find_range(hn::Add(margin, margin), min_margin,
                max_margin);  // twice: for the rounding of the interval arithmetic as well
-    const V min_component = hn::Mul(largest, hn::Set(tag, 0x1p-26f));
+    const V min_component = hn::Mul(largest, hn::Set(tag, RayBoxes::least_part));
     for (std::size_t a = 0; a < 3; ++a) {
       const V positive = hn::Div(hn::Set(tag, 1.0f), hn::Max(absolute[a], min_component));
       inverse_[a] = hn::CopySign(positive, direction[a]);
@@ -126,7 +126,7 @@ class Packet {
       near_[a] = (2 * a + negative) * node_width;
       far_[a] = (2 * a + 1 - negative) * node_width;
     }
-    const ShearAxes axes = shear_axes[kz][(octant_ >> kz) & 1];
+    const ShearAxes& axes = shear_axes[2 * kz + ((octant_ >> kz) & 1)];
     for (std::size_t a = 0; a < 3; ++a) {
       axis_[a] = axes.axis[a];
       shear_origin_[a] = origin[axes.axis[a]];

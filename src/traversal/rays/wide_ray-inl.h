@@ -8,6 +8,7 @@
 #define KERF_TRAVERSAL_RAYS_WIDE_RAY_INL_H
 #endif
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -39,28 +40,62 @@ using Float4 = hn::Vec<FloatTag4>;
 
 inline constexpr std::uint32_t bytes_per_row = node_width * sizeof(float);
 
+// Where in a node the planes of entry and of exit begin, in bytes.
+struct PlaneRows {
+  std::uint32_t near[3], far[3];
+};
+// By octant: bit a says whether rays go the negative way along axis a.
+constexpr std::array<PlaneRows, 8> plane_rows = [] {
+  std::array<PlaneRows, 8> rows{};
+  for (std::uint32_t octant = 0; octant < 8; ++octant) {
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      const std::uint32_t negative = (octant >> axis) & 1;
+      rows[octant].near[axis] = (2 * axis + negative) * bytes_per_row;
+      rows[octant].far[axis] = (2 * axis + 1 - negative) * bytes_per_row;
+    }
+  }
+  return rows;
+}();
+
+// The axes of a shear (see `RayShear`), and the bytes of x, y, z and another number that are the numbers
+// along these axes.
+struct ShearAxes {
+  alignas(16) std::uint8_t byte[16];
+  std::array<std::uint32_t, 3> axis;
+};
+// By twice the axis along which the direction is largest, and one more where it is negative there.
+constexpr std::array<ShearAxes, 6> shear_axes = [] {
+  std::array<ShearAxes, 6> table{};
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const std::uint32_t kz = i / 2, negative = i % 2;
+    ShearAxes& axes = table[i];
+    axes.axis[0] = (kz + 1 + negative) % 3;
+    axes.axis[1] = (kz + 2 - negative) % 3;
+    axes.axis[2] = kz;
+    for (std::uint32_t k = 0; k < 16; ++k)
+      axes.byte[k] = static_cast<std::uint8_t>(4 * (k < 12 ? axes.axis[k / 4] : 3) + k % 4);
+  }
+  return table;
+}();
+
 // The values of `RayBoxes` and `RayShear`, each to be broadcast from memory where it is needed. Two cache
 // lines.
 struct alignas(64) WideRay {
   alignas(16) float inverse[4], enter[4], leave[4];  // of RayBoxes, along x, y, z
-  std::uint32_t near[3], far[3];  // where in a node the planes of entry and of exit begin, in bytes
+  PlaneRows rows;
   float t_min = 0.0f;
-  std::uint32_t octant;  // bit a: negative along axis a
+  std::uint32_t octant;  // see `plane_rows`
 
-  float origin[3];        // along the axes of the shear
-  std::uint32_t axis[3];  // these axes
-  float sx, sy, dz, inverse_dz;
-  float error;      // of t, for each unit of 2^-24 of the distance to the far side of the scene
+  alignas(16) float origin[4];        // along the axes of the shear
+  alignas(16) float shear[4];         // sx, sy, inverse_dz, and `error`
+  std::array<std::uint32_t, 3> axis;  // of the shear
   float min_value;  // of SinglePrecision; infinite where results might leave the range of a float
 
-  HWY_INLINE void set_octant(std::uint32_t bits) {
-    octant = bits;
-    for (std::uint32_t axis_of_row = 0; axis_of_row < 3; ++axis_of_row) {
-      const std::uint32_t negative = (bits >> axis_of_row) & 1;
-      near[axis_of_row] = (2 * axis_of_row + negative) * bytes_per_row;
-      far[axis_of_row] = (2 * axis_of_row + 1 - negative) * bytes_per_row;
-    }
-  }
+  HWY_INLINE float sx() const { return shear[0]; }
+  HWY_INLINE float sy() const { return shear[1]; }
+  HWY_INLINE float inverse_dz() const { return shear[2]; }
+  // Of t, for each unit of 2^-24 of the distance to the far side of the scene.
+  HWY_INLINE float error() const { return shear[3]; }
 };
 
 // From which magnitude on an edge function is decided in single precision, for a scene whose far side lies at
@@ -95,15 +130,15 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
     out.enter[i] = boxes.enter[i];
     out.leave[i] = boxes.leave[i];
     octant |= static_cast<unsigned>(std::signbit(boxes.inverse[i])) << i;
-    out.axis[i] = static_cast<std::uint32_t>(axes[i]);
     out.origin[i] = o[axes[i]];
   }
-  out.set_octant(octant);
-  out.sx = shear.sx;
-  out.sy = shear.sy;
-  out.dz = shear.dz;
-  out.inverse_dz = shear.inverse_dz;
-  out.error = 0x1p-24f * boxes.distance * std::abs(out.inverse_dz);
+  out.octant = octant;
+  out.rows = plane_rows[octant];
+  for (std::size_t i = 0; i < 3; ++i) out.axis[i] = static_cast<std::uint32_t>(axes[i]);
+  out.shear[0] = shear.sx;
+  out.shear[1] = shear.sy;
+  out.shear[2] = shear.inverse_dz;
+  out.shear[3] = 0x1p-24f * boxes.distance * std::abs(out.inverse_dz());
   out.min_value = min_value(boxes.distance);
   return true;
 }
@@ -123,21 +158,13 @@ HWY_INLINE std::uint32_t three_bits(hn::Mask<FloatTag4> mask) {
   return bits(FloatTag4(), mask) & 7u;
 }
 
-// The axes of a shear (see `RayShear`), by the axis along which the direction is largest and by its sign
-// there.
-struct ShearAxes {
-  std::uint8_t axis[3];
-};
-constexpr ShearAxes shear_axes[3][2] = {
-    {{{1, 2, 0}}, {{2, 1, 0}}}, {{{2, 0, 1}}, {{0, 2, 1}}}, {{{0, 1, 2}}, {{1, 0, 2}}}};
-
 // The margin of `RayBoxes`, or more: no coordinate of the origin exceeds distance + largest_coordinate.
 template <class Tag>
 HWY_INLINE hn::Vec<Tag> boxes_margin(Tag tag, hn::Vec<Tag> distance, const WideBvh& bvh) {
-  return hn::Mul(
-      hn::Set(tag, 0x1p-24f),
-      hn::Add(hn::Mul(distance, hn::Set(tag, RayBoxes::margin_of_distance + RayBoxes::margin_of_origin)),
-              hn::Set(tag, RayBoxes::margin_of_origin * bvh.largest_coordinate)));
+  constexpr float unit = 0x1p-24f;
+  return hn::MulAdd(distance,
+                    hn::Set(tag, unit * (RayBoxes::margin_of_distance + RayBoxes::margin_of_origin)),
+                    hn::Set(tag, unit * RayBoxes::margin_of_origin * bvh.largest_coordinate));
 }
 
 // False for a ray that `PreparedRay` has to scale or to refuse, unless it has done so. The shear is that of
@@ -148,41 +175,46 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   const float* origin = &ray.origin.x;
   const float* direction = &ray.direction.x;
   const Float4 o = load_each(origin), d = load_each(direction);
-  const Float4 absolute = hn::Abs(d), zero = hn::Zero(tag);
+  const Float4 absolute = hn::Abs(d);
   const Float4 largest = largest_of_three(absolute);
   const float length = hn::GetLane(largest);
-  const std::uint32_t finite = three_bits(hn::Eq(hn::Mul(zero, hn::Add(o, d)), zero));
-  if (!prepared && !(finite == 7 && length > PreparedRay::shortest && length < PreparedRay::longest))
-    return false;
+  // The bits of infinities and of what is no number are larger than those of numbers.
+  if (!prepared && !(length > PreparedRay::shortest && length < PreparedRay::longest)) return false;
 
   const Float4 distance =
       largest_of_three(larger_as_bits(hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.lower.x))),
                                       hn::Abs(hn::Sub(o, hn::LoadU(tag, &bvh.bounds.upper.x)))));
   if (!prepared && HWY_UNLIKELY(is_far(hn::GetLane(distance), bvh))) return false;
   const Float4 margin = boxes_margin(tag, distance, bvh);
-  const Float4 positive =
-      hn::Div(hn::Set(tag, 1.0f), larger_as_bits(absolute, hn::Mul(largest, hn::Set(tag, 0x1p-26f))));
-  const Float4 inverse = hn::CopySign(positive, d);
-  const Float4 product = hn::Mul(o, inverse), grown = hn::Mul(margin, positive);
+  // The least component of the shortest direction that is not scaled, so that the division need not wait for
+  // the largest component.
+  Float4 least = hn::Set(tag, RayBoxes::least_part * PreparedRay::shortest);
+  if constexpr (prepared) least = hn::Mul(largest, hn::Set(tag, RayBoxes::least_part));
+  const Float4 positive = hn::Div(hn::Set(tag, 1.0f), larger_as_bits(absolute, least));
+  const Float4 inverse = hn::Or(positive, hn::And(d, hn::SignBit(tag)));
+  const Float4 grown = hn::Mul(margin, positive);
   hn::Store(inverse, tag, out.inverse);
-  hn::Store(hn::Sub(hn::Neg(product), grown), tag, out.enter);
-  hn::Store(hn::Sub(grown, product), tag, out.leave);
+  hn::Store(hn::NegMulSub(o, inverse, grown), tag, out.enter);
+  hn::Store(hn::NegMulAdd(o, inverse, grown), tag, out.leave);
   out.t_min = ray.t_min;
   const hn::RebindToSigned<FloatTag4> integers;
-  out.set_octant(
-      three_bits(hn::MaskFromVec(hn::BitCast(tag, hn::BroadcastSignBit(hn::BitCast(integers, d))))));
+  out.octant = three_bits(hn::MaskFromVec(hn::BitCast(tag, hn::BroadcastSignBit(hn::BitCast(integers, d)))));
+  out.rows = plane_rows[out.octant];
 
   const auto kz = static_cast<std::uint32_t>(std::bit_width(three_bits(hn::Eq(absolute, largest)))) - 1;
-  const ShearAxes& axes = shear_axes[kz][(out.octant >> kz) & 1];
-  for (int i = 0; i < 3; ++i) {
-    out.axis[i] = axes.axis[i];
-    out.origin[i] = origin[axes.axis[i]];
-  }
-  out.sx = direction[axes.axis[0]] / direction[kz];
-  out.sy = direction[axes.axis[1]] / direction[kz];
-  out.dz = direction[kz];
-  out.inverse_dz = 1.0f / direction[kz];
-  out.error = 0x1p-24f * hn::GetLane(distance) * std::abs(out.inverse_dz);
+  const ShearAxes& axes = shear_axes[2 * kz + ((out.octant >> kz) & 1)];
+  out.axis = axes.axis;
+  const hn::Repartition<std::uint8_t, FloatTag4> bytes;
+  const auto order = hn::Load(bytes, axes.byte);
+  const auto along_axes = [&](Float4 v) HWY_ATTR {
+    return hn::BitCast(tag, hn::TableLookupBytes(hn::BitCast(bytes, v), order));
+  };
+  hn::Store(along_axes(o), tag, out.origin);
+  const Float4 turned = along_axes(d);
+  const Float4 quotients =
+      hn::Div(hn::ConcatUpperLower(tag, hn::Set(tag, 1.0f), turned), hn::Broadcast<2>(turned));
+  hn::Store(quotients, tag, out.shear);
+  out.shear[3] = 0x1p-24f * hn::GetLane(distance) * std::abs(hn::GetLane(hn::Broadcast<2>(quotients)));
   out.min_value = min_value(hn::GetLane(distance));
   return true;
 }
@@ -198,16 +230,17 @@ HWY_INLINE bool set_up_forward(const Ray& ray, const WideBvh& bvh, WideRay& out)
 // step only now and then.
 struct NodeConstants {
   BoxVector inverse[3], enter[3], leave[3], t_min;
-  std::size_t near[3], far[3];
+  std::size_t near[3], far[3];  // of PlaneRows
 
   HWY_INLINE explicit NodeConstants(const WideRay& ray) : t_min(hn::Set(NodeFloats::Tag(), ray.t_min)) {
     const NodeFloats::Tag tag;
+    const PlaneRows& rows = plane_rows[ray.octant];
     for (std::size_t axis = 0; axis < 3; ++axis) {
       inverse[axis] = hn::Set(tag, ray.inverse[axis]);
       enter[axis] = hn::Set(tag, ray.enter[axis]);
       leave[axis] = hn::Set(tag, ray.leave[axis]);
-      near[axis] = ray.near[axis];
-      far[axis] = ray.far[axis];
+      near[axis] = rows.near[axis];
+      far[axis] = rows.far[axis];
     }
   }
 };
@@ -229,12 +262,12 @@ struct LeafConstants {
   float t_min;
 
   HWY_INLINE explicit LeafConstants(const WideRay& ray)
-      : sx(broadcast<leaf_group>(ray.sx)),
-        sy(broadcast<leaf_group>(ray.sy)),
-        inverse_dz(broadcast<leaf_group>(ray.inverse_dz)),
+      : sx(broadcast<leaf_group>(ray.sx())),
+        sy(broadcast<leaf_group>(ray.sy())),
+        inverse_dz(broadcast<leaf_group>(ray.inverse_dz())),
         min_value(broadcast<leaf_group>(ray.min_value)),
-        error_of_mean(broadcast<leaf_group>(mean_error * ray.error)),
-        error_of_shear(broadcast<leaf_group>(shear_error * ray.error)),
+        error_of_mean(broadcast<leaf_group>(mean_error * ray.error())),
+        error_of_shear(broadcast<leaf_group>(shear_error * ray.error())),
         t_min(ray.t_min) {
     for (std::size_t i = 0; i < 3; ++i) {
       origin[i] = broadcast<leaf_group>(ray.origin[i]);
@@ -242,6 +275,14 @@ struct LeafConstants {
     }
   }
 };
+
+// `NodeConstants` have the rows themselves.
+HWY_INLINE const PlaneRows& rows_of(const WideRay& ray) {
+  return ray.rows;
+}
+HWY_INLINE const NodeConstants& rows_of(const NodeConstants& constants) {
+  return constants;
+}
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
