@@ -212,7 +212,7 @@ void trace_against_rationals(std::uint32_t seed, std::size_t rays, bool is_first
   }
 }
 
-// KERF_RAYS=10000000 is the longer run of SECURITY.md.
+// KERF_RAYS=10000000 is the longer run of CONTRIBUTING.md.
 TEST(HitExactness, TIsTheExactOneRoundedOnEveryInstructionSet) {
   const char* const wanted = std::getenv("KERF_RAYS");
   const std::size_t rays = wanted ? std::strtoull(wanted, nullptr, 10) : test::reduced(16384);
