@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -114,6 +116,14 @@ template <class T, class Call>
 Lists<T> list_in_slices(std::size_t count, const Call& call) {
   constexpr std::size_t slice = std::size_t{1} << 16;
   Lists<T> all;
+  if (count > slice) {  // what no memory can hold is refused at once, not after hours
+    try {
+      all.offsets.reserve(count + 1);
+    } catch (const std::exception&) {
+      throw Error(Error::out_of_memory,
+                  "not enough memory for the lists of " + std::to_string(count) + " questions");
+    }
+  }
   for (std::size_t first = 0; first < count || first == 0; first += slice) {
     {
       const nb::gil_scoped_release unlocked;

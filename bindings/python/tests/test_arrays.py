@@ -173,3 +173,12 @@ def test_what_is_given_is_not_written_to(cube):
     cube.intersect(ORIGINS, DOWN)
     cube.closest_point(ORIGINS)
     assert np.array_equal(before, ORIGINS)
+
+
+def test_more_than_memory_can_answer_is_refused_at_once(cube):
+    huge = np.broadcast_to(np.float32(0), (2**40, 3))
+    for ask in (cube.contains, cube.closest_point, lambda points: cube.intersect(points, DOWN)):
+        with pytest.raises(MemoryError):
+            ask(huge)
+    with refused(MemoryError, "not enough memory for the lists of 1099511627776 questions"):
+        cube.all_hits(huge, DOWN)
