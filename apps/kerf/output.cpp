@@ -1,11 +1,16 @@
 #include "output.hpp"
 
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <list>
 #include <memory>
+#include <optional>
 #include <random>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -53,6 +58,52 @@ bool is_replaced(const fs::path& file) {
   return ::stat(file.c_str(), &status) != 0 || S_ISREG(status.st_mode);
 }
 
+// Files and empty folders that a signal which ends the program removes before it does. Nothing but atomics is
+// read by the handler: whatever it interrupts, it may take no lock and no memory.
+constexpr std::size_t max_unfinished = 64;
+std::atomic<const char*> unfinished[max_unfinished] = {};
+
+extern "C" void remove_unfinished(int signal) {
+  for (std::size_t i = max_unfinished; i-- > 0;) {  // what lies in a folder before the folder
+    const char* const path = unfinished[i].load();
+    if (path != nullptr && ::unlink(path) != 0) ::rmdir(path);
+  }
+  ::raise(signal);  // as if there were no handler: it was reset
+}
+
+void watch_signals() {
+  static const bool once = [] {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+      struct sigaction action {};
+      if (::sigaction(signal, nullptr, &action) != 0 || action.sa_handler != SIG_DFL) continue;
+      action.sa_handler = remove_unfinished;
+      action.sa_flags = static_cast<int>(SA_RESETHAND);
+      ::sigaction(signal, &action, nullptr);
+    }
+    return true;
+  }();
+  (void)once;
+}
+
+// While this lives, a signal removes `path`. Later ones stand behind earlier ones.
+class Unfinished {
+ public:
+  explicit Unfinished(std::string path) : path_(std::move(path)) {
+    watch_signals();
+    while (place_ < max_unfinished && unfinished[place_].load() != nullptr) ++place_;
+    if (place_ < max_unfinished) unfinished[place_] = path_.c_str();
+  }
+  ~Unfinished() {
+    if (place_ < max_unfinished) unfinished[place_] = nullptr;
+  }
+  Unfinished(const Unfinished&) = delete;
+  Unfinished& operator=(const Unfinished&) = delete;
+
+ private:
+  const std::string path_;
+  std::size_t place_ = 0;
+};
+
 // A new file beside `final_path`, with its permissions. It is removed unless it is renamed to it: whatever
 // goes wrong, what was there stays.
 class TemporaryFile {
@@ -67,6 +118,7 @@ class TemporaryFile {
     int descriptor;
     do {
       path_ = final_path.parent_path() / fmt::format("{}.{}.tmp", name, random());
+      unfinished_.emplace(path_.string());
       descriptor = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     } while (descriptor < 0 && errno == EEXIST);
     if (descriptor < 0) raise_io(final_path.string(), "cannot be written", errno);
@@ -91,6 +143,7 @@ class TemporaryFile {
 
  private:
   fs::path final_path_, path_;
+  std::optional<Unfinished> unfinished_;  // ends after the file is removed or renamed
   Stream stream_{nullptr, &std::fclose};
   bool renamed_ = false;
 };
@@ -127,6 +180,9 @@ void write_in_directory(const std::string& directory, const std::string& name, s
   for (fs::path part = fs::path(directory); !part.empty() && !fs::exists(part, error);
        part = part.parent_path())
     made.push_back(part);
+  std::list<Unfinished> unfinished_folders;
+  for (auto part = made.rbegin(); part != made.rend(); ++part)
+    unfinished_folders.emplace_back(part->string());
   fs::create_directories(directory, error);
   if (error) raise_io(directory, "the directory cannot be made", error.value());
   try {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <string>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -33,16 +34,19 @@ class TemporaryFile {
     if (replaces && !S_ISREG(old.st_mode))
       raise(Error::io, "%s: is not a file that can be replaced", final_path.c_str());
     const mode_t mode = replaces ? old.st_mode & 0777 : 0666;
-    do {
+    descriptor_ = open_without_name(final_path, mode);
+    has_name_ = descriptor_ < 0;
+    while (descriptor_ < 0) {
       path_ = temporary_name(final_path);
       descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-    } while (descriptor_ < 0 && errno == EEXIST);
+      if (descriptor_ < 0 && errno != EEXIST) break;
+    }
     if (descriptor_ < 0) fail(final_path, "cannot be written", errno);
     if (replaces) (void)::fchmod(descriptor_, mode);  // file systems without permissions refuse
   }
   ~TemporaryFile() {
     if (descriptor_ >= 0) ::close(descriptor_);
-    if (!renamed_) ::unlink(path_.c_str());
+    if (has_name_) ::unlink(path_.c_str());
   }
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
@@ -58,18 +62,41 @@ class TemporaryFile {
 
   void finish() {
     if (::fsync(descriptor_) != 0) fail(final_path_, "cannot be written to the disk", errno);
+    if (!has_name_) give_name();
     const int closed = ::close(descriptor_);
     descriptor_ = -1;
     if (closed != 0) fail(final_path_, "cannot be written to the disk", errno);
     if (::rename(path_.c_str(), final_path_.c_str()) != 0) fail(final_path_, "cannot be replaced", errno);
-    renamed_ = true;
+    has_name_ = false;
   }
 
  private:
+  // A file that has no name yet is gone with a program that is killed while it writes. Negative where the
+  // system has none of that kind, or could not name it later for want of /proc.
+  static int open_without_name([[maybe_unused]] const std::filesystem::path& final_path,
+                               [[maybe_unused]] mode_t mode) {
+#ifdef O_TMPFILE
+    const std::filesystem::path folder = final_path.parent_path() / ".";
+    if (::access("/proc/self/fd", X_OK) == 0)
+      return ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, mode);
+#endif
+    return -1;
+  }
+
+  // A link takes the place of no other file, a renamed file does.
+  void give_name() {
+    const std::string open_file = "/proc/self/fd/" + std::to_string(descriptor_);
+    do {
+      path_ = temporary_name(final_path_);
+      has_name_ = ::linkat(AT_FDCWD, open_file.c_str(), AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW) == 0;
+    } while (!has_name_ && errno == EEXIST);
+    if (!has_name_) fail(final_path_, "cannot be written", errno);
+  }
+
   const std::filesystem::path& final_path_;
-  std::filesystem::path path_;
+  std::filesystem::path path_;  // if it has a name
   int descriptor_ = -1;
-  bool renamed_ = false;
+  bool has_name_ = false;
 };
 
 // The new name is on the disk once its directory is. File systems that need no such call for directories

@@ -1,15 +1,19 @@
 // The command-line tool, run as a user runs it: exit statuses, JSON, tables, pictures.
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <filesystem>
 #include <regex>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "support/run_tool.hpp"
 #include "support/temporary_directory.hpp"
@@ -18,6 +22,7 @@
 namespace {
 
 using namespace kerf_tests;
+namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 // Small enough for sanitizers; three rounds of timing are the fewest.
@@ -501,6 +506,77 @@ TEST(Tool, FilesAreWholeOrAsBefore) {
     left.push_back(entry.path().filename());
   std::sort(left.begin(), left.end());
   EXPECT_EQ(left, (std::vector<std::string>{"a.json", "a.png", "b.json"})) << "no part, and no empty folder";
+}
+
+// Runs the tool, sends it SIGINT as soon as there is a file in `directory` that was not there before, and
+// says how it ended, as `waitpid` does.
+int interrupt_while_it_writes(const TemporaryDirectory& directory, std::vector<std::string> arguments) {
+  const auto holds_a_new_file = [&] {
+    std::error_code gone;
+    for (fs::recursive_directory_iterator i(directory.path(), gone), end; i != end; i.increment(gone)) {
+      if (i->path().extension() == ".tmp" && i->file_size(gone) > 0) return true;
+      if (gone) return false;
+    }
+    return false;
+  };
+  std::vector<char*> words;
+  std::string program = tool();
+  program.erase(std::remove(program.begin(), program.end(), '\''), program.end());
+  words.push_back(program.data());
+  for (std::string& argument : arguments) words.push_back(argument.data());
+  words.push_back(nullptr);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGINT, SIG_DFL);
+    const int nowhere = ::open("/dev/null", O_RDWR);
+    for (int stream = 0; stream < 3; ++stream) ::dup2(nowhere, stream);
+    ::execv(words[0], words.data());
+    ::_exit(127);
+  }
+  int status = 0;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    if (!holds_a_new_file()) continue;
+    ::kill(child, SIGINT);
+    ::waitpid(child, &status, 0);
+    break;
+  }
+  return status;
+}
+
+TEST(Tool, InterruptedWhileItWritesItLeavesNothing) {
+  const std::string quickly = "16x16";
+  int interrupted = 0;
+  for (int round = 0; round < 3; ++round) {
+    for (const std::vector<std::string>& command :
+         std::vector<std::vector<std::string>>{{"render", small, "--size", "500x400", "-o", "a.png"},
+                                               {"compare", small, "--builders", "bvh", "--pixels", quickly,
+                                                "--pictures", "100x80", "--report", "new/report"},
+                                               {"build", "terrain:detail=0.2", "-o", "a.kerf"}}) {
+      const TemporaryDirectory directory;
+      std::vector<std::string> arguments = command;
+      const std::string old = command[0] == "compare" ? "" : directory.write(command.back(), "old");
+      arguments.back() = directory.file(command.back());
+      const int status = interrupt_while_it_writes(directory, arguments);
+      if (WIFSIGNALED(status)) {
+        EXPECT_EQ(WTERMSIG(status), SIGINT) << command[0];
+        ++interrupted;
+      } else {
+        EXPECT_EQ(WEXITSTATUS(status), 0) << command[0];
+      }
+      // Interrupted before the new file had its name, or after.
+      for (const auto& entry : fs::recursive_directory_iterator(directory.path())) {
+        const std::string name = entry.path().filename();
+        EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+        if (entry.is_directory()) {
+          EXPECT_TRUE(fs::exists(directory.path() / "new/report/index.html")) << entry.path();
+        }
+      }
+      if (!old.empty()) {
+        EXPECT_TRUE(fs::exists(old)) << command[0];
+      }
+    }
+  }
+  EXPECT_GT(interrupted, 0) << "none was met while it wrote";
 }
 
 TEST(Tool, LinksStayAndPermissionsToo) {
