@@ -113,18 +113,23 @@ Viewpoint choose_viewpoint(const Scene& scene, const CameraOptions& camera, bool
   return finish(scene.viewpoints[number]);
 }
 
-// `bvh` is what is traced, unless that is a scene.
+// `bvh` is what is traced, or stands for it if that is a scene.
 Image render(const Traced& traced, const kerf::Bvh& bvh, Mode mode, const Viewpoint& viewpoint,
              PictureSize size, const std::string& scale) {
   ProgressBar bar;
-  const RenderOptions options{.width = size.width,
-                              .height = size.height,
-                              .samples = 3,
-                              .ambient_samples = mode == Mode::ao ? 24u : 8u,
-                              .progress = [&](double fraction) { bar.show(fraction, "render"); }};
+  const RenderOptions asked{.width = size.width,
+                            .height = size.height,
+                            .samples = mode == Mode::steps ? 1u : 3u,
+                            .ambient_samples = mode == Mode::ao ? 24u : 8u,
+                            .progress = [&](double fraction) { bar.show(fraction, "render"); }};
+  const RenderOptions options = affordable(bvh, viewpoint, asked);
+  if (const std::string remark = remark_on(options, asked); !remark.empty()) {
+    bar.clear();
+    fmt::print(stderr, "kerf: {}\n", remark);
+  }
   if (mode == Mode::shaded) return render_shaded(traced, viewpoint, options);
   if (mode == Mode::ao) return render_ambient_occlusion(traced, viewpoint, options);
-  const HeatMap map = trace_heat(bvh, viewpoint, size.width, size.height);
+  const HeatMap map = trace_heat(bvh, viewpoint, size.width, size.height, options.block);
   const float end =
       scale.empty() ? common_scale({&map, 1}) : static_cast<float>(parse_number("--scale", scale, 0.0, 1e9));
   Image image = colour(map, end);
@@ -161,7 +166,8 @@ void run(const Options& options) {
   const Image image = name_errors(scene, [&] {
     if (scene.placed) {
       const kerf::Scene places = build_scene(*scene.placed, build_objects(*scene.placed));
-      return render(Traced(scene, places), {}, mode, viewpoint, size, options.scale);
+      return render(Traced(scene, places), build_stand_in(*scene.placed), mode, viewpoint, size,
+                    options.scale);
     }
     const bool saved = scene.hierarchy && options.builder.empty();
     const kerf::Bvh bvh = saved ? *scene.hierarchy : kerf::build(scene.mesh(), {.builder = builder});

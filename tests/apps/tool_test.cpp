@@ -579,6 +579,33 @@ TEST(Tool, InterruptedWhileItWritesItLeavesNothing) {
   EXPECT_GT(interrupted, 0) << "none was met while it wrote";
 }
 
+TEST(Tool, PicturesOfHeapsOfEqualTrianglesEndSoon) {
+  const TemporaryDirectory directory;
+  std::string heap = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (int i = 0; i < 50'000; ++i) heap += "f 1 2 3\n";
+  const std::string file = directory.write("heap.obj", heap), picture = directory.file("a.png");
+  for (const char* mode : {"shaded", "ao", "steps"}) {
+    const Outcome outcome = run_command("timeout 100 " + tool() + " render " + file +
+                                        " --size 160x120 --mode " + mode + " -o " + picture);
+    EXPECT_EQ(outcome.status, 0) << mode;
+    expect_one_line_about(outcome.errors, "blocks of");
+  }
+}
+
+TEST(Tool, LegendsHaveNumbersOfAnySize) {
+  const TemporaryDirectory directory;
+  std::string last;
+  for (const char* scale : {"0.00001", "40", "12000", "100000", "9e8"}) {
+    const std::string picture = directory.file("a.png");
+    EXPECT_EQ(run_tool("render " + small + " --mode steps --size 400x300 --scale " + scale + " -o " + picture)
+                  .status,
+              0)
+        << scale;
+    EXPECT_NE(read_bytes(picture), last) << scale;
+    last = read_bytes(picture);
+  }
+}
+
 TEST(Tool, LinksStayAndPermissionsToo) {
   const TemporaryDirectory directory;
   const std::string file = directory.write("a.json", "old");

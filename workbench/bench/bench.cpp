@@ -137,6 +137,15 @@ std::vector<BenchRays> trace_all(std::span<const Way> ways, const RaySet& set, c
   return figures;
 }
 
+void add_remarks(BenchScene& figures, const RaySetOptions& given, const RaySetOptions& asked) {
+  figures.remarks = remarks_on(figures);
+  if (given == asked) return;
+  figures.remarks.push_back(fmt::format(
+      "Each viewpoint has {}x{} pixels, not {}x{}: so much lies over one another that a ray visits "
+      "thousands of nodes and triangles.",
+      given.width, given.height, asked.width, asked.height));
+}
+
 }  // namespace
 
 std::string_view name(RaysMade where) {
@@ -196,9 +205,9 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
     figures.meshes = scene.placed->meshes.size();
     const kerf::Scene places =
         build_scene(*scene.placed, build_objects(*scene.placed, build_options), build_options);
-    trace([&](RayType type) { return make_rays(Traced(scene, places), type, options.rays); },
-          [](const RaySet&) {});
-    figures.remarks = remarks_on(figures);
+    const RaySetOptions pixels = affordable(scene, build_stand_in(*scene.placed), options.rays);
+    trace([&](RayType type) { return make_rays(Traced(scene, places), type, pixels); }, [](const RaySet&) {});
+    add_remarks(figures, pixels, options.rays);
     return figures;
   }
 
@@ -213,13 +222,7 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   const kerf::Tree tree = kerf::build_tree(mesh, build_options);
   figures.sah = kerf::surface_area_cost(tree);
   figures.references = tree.references().size();
-  figures.remarks = remarks_on(figures);
-  if (!(pixels == options.rays)) {
-    figures.remarks.push_back(fmt::format(
-        "Each viewpoint has {}x{} pixels, not {}x{}: so much lies over one another that a ray visits "
-        "thousands of nodes and triangles.",
-        pixels.width, pixels.height, options.rays.width, options.rays.height));
-  }
+  add_remarks(figures, pixels, options.rays);
   return figures;
 }
 

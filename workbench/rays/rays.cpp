@@ -143,26 +143,29 @@ RaySet make_rays(const Traced& traced, RayType type, const RaySetOptions& option
   return set;
 }
 
-RaySetOptions affordable(const Scene& scene, const Bvh& bvh, const RaySetOptions& options,
-                         std::uint64_t max_visits) {
-  constexpr RaySetOptions probe{.width = 32, .height = 24};
+double visits_per_ray(const Bvh& bvh, std::span<const Ray> rays, std::uint64_t max_visits) {
   // Triangles that a ray meets at the same t are told apart in double precision.
   constexpr std::uint64_t visits_per_tie = 16;
   TraversalCounters counters;
   std::size_t traced = 0, ties = 0;
   const auto visits = [&] { return counters.steps + counters.triangle_tests + visits_per_tie * ties; };
-  for (const Ray& ray : primary_rays(scene, probe).rays) {
+  for (const Ray& ray : rays) {
     if (const auto hit = intersect(bvh, ray, counters)) {
       Ray there = ray;
       there.t_min = there.t_max = hit->t;
       ties += std::max<std::size_t>(bvh.all_hits(there, std::span<Hit>()), 1) - 1;
     }
     ++traced;
-    if (visits() > max_visits / 4) break;
+    if (visits() > max_visits) break;
   }
-  if (traced == 0) return options;
+  return traced == 0 ? 0.0 : static_cast<double>(visits()) / static_cast<double>(traced);
+}
+
+RaySetOptions affordable(const Scene& scene, const Bvh& bvh, const RaySetOptions& options,
+                         std::uint64_t max_visits) {
+  constexpr RaySetOptions probe{.width = 32, .height = 24};
   const double rays = static_cast<double>(scene.viewpoints.size() * options.width * options.height);
-  const double wanted = static_cast<double>(visits()) / static_cast<double>(traced) * rays;
+  const double wanted = visits_per_ray(bvh, primary_rays(scene, probe).rays, max_visits / 4) * rays;
   if (wanted <= static_cast<double>(max_visits)) return options;
   const double scale = std::sqrt(static_cast<double>(max_visits) / wanted);
   const auto shrink = [&](std::size_t side) {

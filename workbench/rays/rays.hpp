@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -54,6 +55,10 @@ RaySet make_rays(const Traced& traced, RayType type, const RaySetOptions& option
 /// Visits of nodes and tests of triangles that the rays of one type may take. Scenes that are scenes take a
 /// fraction of it; where everything lies over one another, a ray tests every triangle.
 inline constexpr std::uint64_t max_visits_of_a_pass = std::uint64_t{1} << 28;
+
+/// What tracing the closest hits of `rays` takes, each on average: visits of nodes, tests of triangles, and
+/// what telling apart triangles at the same t adds. Of the first rays only, if these take `max_visits`.
+double visits_per_ray(const kerf::Bvh& bvh, std::span<const kerf::Ray> rays, std::uint64_t max_visits);
 
 /// `options`, or a smaller picture if its primary rays would take more than `max_visits`. The same on every
 /// run, since it counts and does not time.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -32,22 +33,17 @@ constexpr float round_ends[] = {1.0f, 1.2f, 1.6f, 2.0f, 2.4f, 2.8f, 3.2f, 4.0f, 
 // darken all others.
 constexpr double clipped_fraction = 0.002;
 
-// Digits of three by five dots, row after row, for numbers in pictures. The last is the point.
-constexpr std::array<std::string_view, 11> digits{"####.##.##.####", ".#.##..#..#.###", "###..#####..###",
-                                                  "###..####..####", "#.##.####..#..#", "####..###..####",
-                                                  "####..####.####", "###..#..#..#..#", "####.#####.####",
-                                                  "####.####..####", ".............#."};
+// Letters of three by five dots, row after row, for numbers in pictures, and which they are.
+constexpr std::string_view letters = "0123456789.kM";
+constexpr std::array<std::string_view, letters.size()> dots_of{
+    "####.##.##.####", ".#.##..#..#.###", "###..#####..###", "###..####..####", "#.##.####..#..#",
+    "####..###..####", "####..####.####", "###..#..#..#..#", "####.#####.####", "####.####..####",
+    ".............#.", "#..#.###.#.##.#", "#.#####.##.##.#"};
 constexpr std::size_t dot_size = 2;  // pixels
-
-void fill(Image& image, std::size_t x0, std::size_t y0, std::size_t width, std::size_t height, Pixel pixel) {
-  for (std::size_t y = y0; y < std::min(y0 + height, image.height); ++y) {
-    for (std::size_t x = x0; x < std::min(x0 + width, image.width); ++x) image.at(x, y) = pixel;
-  }
-}
 
 void draw_number(Image& image, std::size_t x, std::size_t y, std::string_view number) {
   for (const char c : number) {
-    const std::string_view dots = digits[c == '.' ? 10 : static_cast<std::size_t>(c - '0')];
+    const std::string_view dots = dots_of[letters.find(c)];
     for (std::size_t i = 0; i < dots.size(); ++i) {
       if (dots[i] == '#')
         fill(image, x + i % 3 * dot_size, y + i / 3 * dot_size, dot_size, dot_size, {255, 255, 255});
@@ -56,17 +52,30 @@ void draw_number(Image& image, std::size_t x, std::size_t y, std::string_view nu
   }
 }
 
+// In `letters` alone, and short enough to stand beside the next.
+std::string label(float value) {
+  if (value >= 1e6f) return fmt::format("{:.4g}M", 1e-6f * value);
+  if (value >= 1e4f) return fmt::format("{:.4g}k", 1e-3f * value);
+  return value < 1e-4f ? "0" : fmt::format("{:.4g}", value);
+}
+
 }  // namespace
 
-HeatMap trace_heat(const kerf::Bvh& bvh, const Viewpoint& viewpoint, std::size_t width, std::size_t height) {
+HeatMap trace_heat(const kerf::Bvh& bvh, const Viewpoint& viewpoint, std::size_t width, std::size_t height,
+                   std::size_t block) {
   HeatMap map{.width = width, .height = height, .costs = std::vector<float>(width * height)};
   const Camera camera(viewpoint, width, height);
-  parallel_for(height, [&](std::size_t y) {
-    for (std::size_t x = 0; x < width; ++x) {
+  const float middle = 0.5f * static_cast<float>(block);
+  parallel_for((height + block - 1) / block, [&](std::size_t row) {
+    const std::size_t top = row * block, bottom = std::min(top + block, height);
+    for (std::size_t x = 0; x < width; x += block) {
       kerf::TraversalCounters counters;
-      intersect(bvh, camera.ray_through(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f),
+      intersect(bvh, camera.ray_through(static_cast<float>(x) + middle, static_cast<float>(top) + middle),
                 counters);
-      map.costs[y * width + x] = static_cast<float>(counters.steps + counters.triangle_tests);
+      const auto cost = static_cast<float>(counters.steps + counters.triangle_tests);
+      for (std::size_t y = top; y < bottom; ++y)
+        std::fill_n(map.costs.begin() + static_cast<std::ptrdiff_t>(y * width + x),
+                    std::min(block, width - x), cost);
     }
   });
   return map;
@@ -121,7 +130,7 @@ void draw_legend(Image& image, float scale) {
     const std::size_t x = margin + quarter * (bar_width - 1) / 4;
     fill(image, x, top + margin + bar_height, 1, gap - 1, {255, 255, 255});
     draw_number(image, x, top + margin + bar_height + gap,
-                fmt::format("{:.4g}", 0.25f * static_cast<float>(quarter) * scale));
+                label(0.25f * static_cast<float>(quarter) * scale));
   }
 }
 

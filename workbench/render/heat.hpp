@@ -19,8 +19,9 @@ struct HeatMap {
   std::vector<float> costs;  ///< row after row from the top left
 };
 
-/// Traces the primary rays of `viewpoint`.
-HeatMap trace_heat(const kerf::Bvh& bvh, const Viewpoint& viewpoint, std::size_t width, std::size_t height);
+/// Traces the primary rays of `viewpoint`: one for each square of `block` by `block` pixels.
+HeatMap trace_heat(const kerf::Bvh& bvh, const Viewpoint& viewpoint, std::size_t width, std::size_t height,
+                   std::size_t block = 1);
 
 /// The end of a scale for all of `maps`: a round number that all but a few pixels per thousand stay below.
 float common_scale(std::span<const HeatMap> maps);

@@ -1,11 +1,18 @@
 #include "workbench/render/image.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 #include <kerf/error.hpp>
 #include <png.h>
 
 namespace workbench {
+
+void fill(Image& image, std::size_t x, std::size_t y, std::size_t width, std::size_t height, Pixel pixel) {
+  for (std::size_t v = y; v < std::min(y + height, image.height); ++v) {
+    for (std::size_t u = x; u < std::min(x + width, image.width); ++u) image.at(u, v) = pixel;
+  }
+}
 
 std::vector<std::uint8_t> encode_png(const Image& image) {
   png_image header;

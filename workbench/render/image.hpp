@@ -21,6 +21,9 @@ struct Image {
   const Pixel& at(std::size_t x, std::size_t y) const { return pixels[y * width + x]; }
 };
 
+/// Paints the rectangle of which (x, y) is the upper left pixel, as far as it lies in the image.
+void fill(Image& image, std::size_t x, std::size_t y, std::size_t width, std::size_t height, Pixel pixel);
+
 /// The bytes of a PNG file. Throws `kerf::Error::out_of_memory`.
 std::vector<std::uint8_t> encode_png(const Image& image);
 

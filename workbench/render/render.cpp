@@ -5,10 +5,14 @@
 #include <mutex>
 #include <numbers>
 #include <optional>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "workbench/base/parallel.hpp"
 #include "workbench/base/vectors.hpp"
 #include "workbench/rays/camera.hpp"
+#include "workbench/rays/rays.hpp"
 #include "workbench/sampling/random.hpp"
 
 namespace workbench {
@@ -145,28 +149,64 @@ Image render(const Viewpoint& viewpoint, const RenderOptions& options, const Lig
   const float cell = 1.0f / static_cast<float>(options.samples);
   std::mutex progress_mutex;
   std::size_t rows_done = 0;
-  parallel_for(options.height, [&](std::size_t y) {
-    for (std::size_t x = 0; x < options.width; ++x) {
+  const std::size_t block = options.block, rows = (options.height + block - 1) / block;
+  const auto side = static_cast<float>(block);
+  parallel_for(rows, [&](std::size_t row) {
+    const std::size_t y = row * block;
+    for (std::size_t x = 0; x < options.width; x += block) {
       RandomNumbers random(y * options.width + x);
       Vec3f sum;
       for (unsigned i = 0; i < options.samples * options.samples; ++i) {
         const float across = (static_cast<float>(i % options.samples) + random.uniform()) * cell;
         const float down = (static_cast<float>(i / options.samples) + random.uniform()) * cell;
-        sum = sum +
-              light_along(camera.ray_through(static_cast<float>(x) + across, static_cast<float>(y) + down),
-                          random);
+        sum = sum + light_along(camera.ray_through(static_cast<float>(x) + side * across,
+                                                   static_cast<float>(y) + side * down),
+                                random);
       }
-      image.at(x, y) = develop(cell * cell * sum);
+      fill(image, x, y, block, block, develop(cell * cell * sum));
     }
     const std::lock_guard lock(progress_mutex);
     ++rows_done;
-    if (options.progress)
-      options.progress(static_cast<double>(rows_done) / static_cast<double>(options.height));
+    if (options.progress) options.progress(static_cast<double>(rows_done) / static_cast<double>(rows));
   });
   return image;
 }
 
 }  // namespace
+
+RenderOptions affordable(const Bvh& bvh, const Viewpoint& viewpoint, const RenderOptions& options,
+                         double max_visits) {
+  constexpr std::size_t across = 37, down = 23;
+  constexpr std::size_t stride =
+      397;  // a prime that divides neither: any first rays are spread over the picture
+  constexpr std::uint64_t max_visits_of_probe = std::uint64_t{1} << 28;
+  const Camera camera(viewpoint, across, down);
+  std::vector<Ray> probe;
+  for (std::size_t i = 0; i < across * down; ++i) {
+    const std::size_t place = i * stride % (across * down);
+    probe.push_back(camera.ray_through(static_cast<float>(place % across) + 0.5f,
+                                       static_cast<float>(place / across) + 0.5f));
+  }
+  const double of_a_ray = visits_per_ray(bvh, probe, max_visits_of_probe);
+  RenderOptions result = options;
+  while (result.samples > 1 && result.samples * result.samples * of_a_ray > max_visits) --result.samples;
+  if (result.samples == 1) {
+    const double side = std::ceil(std::sqrt(of_a_ray / max_visits));
+    const double largest = static_cast<double>(std::max(options.width, options.height));
+    result.block = static_cast<std::size_t>(std::clamp(side, 1.0, largest));
+  }
+  return result;
+}
+
+std::string remark_on(const RenderOptions& given, const RenderOptions& asked) {
+  if (given.samples == asked.samples && given.block == asked.block) return "";
+  return fmt::format(
+      "the picture has {}: so much lies over one another that a ray visits thousands of nodes "
+      "and triangles",
+      given.block > asked.block ? fmt::format("blocks of {0}x{0} pixels", given.block)
+                                : fmt::format("{} camera rays a pixel, not {}", given.samples * given.samples,
+                                              asked.samples * asked.samples));
+}
 
 Image render_shaded(const Traced& traced, const Viewpoint& viewpoint, const RenderOptions& options) {
   const Studio studio(traced, viewpoint);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include <kerf/build.hpp>
 #include <kerf/layout.hpp>
 
 #include "workbench/base/vectors.hpp"
@@ -125,6 +126,11 @@ PlacedMeshes::Mesh flattened(const PlacedMeshes& placed, std::size_t max_triangl
     next -= mesh.triangles.size();
   }
   return flat;
+}
+
+kerf::Bvh build_stand_in(const PlacedMeshes& placed) {
+  constexpr std::size_t max_triangles = 1'000'000;
+  return kerf::build(flattened(placed, max_triangles).mesh(), {.builder = kerf::Builder::bvh});
 }
 
 }  // namespace workbench

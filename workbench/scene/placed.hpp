@@ -57,4 +57,7 @@ kerf::Box3f bounds_of(const PlacedMeshes& placed, const std::vector<kerf::Bvh>& 
 /// `max_triangles`.
 PlacedMeshes::Mesh flattened(const PlacedMeshes& placed, std::size_t max_triangles);
 
+/// A hierarchy of a flattened million of triangles: what rays take in it tells what they take in the scene.
+kerf::Bvh build_stand_in(const PlacedMeshes& placed);
+
 }  // namespace workbench
