@@ -95,8 +95,12 @@ class TripleView {
 
   /// Triple `i`, `i < size()`.
   Triple operator[](std::size_t i) const {
+    // Number by number: what is copied at once goes through memory, from where its parts are read again.
+    const std::byte* const from = data_ + i * stride_;
     Triple triple;
-    std::memcpy(&triple, data_ + i * stride_, sizeof(triple));
+    std::memcpy(&triple.values[0], from, sizeof(Scalar));
+    std::memcpy(&triple.values[1], from + sizeof(Scalar), sizeof(Scalar));
+    std::memcpy(&triple.values[2], from + 2 * sizeof(Scalar), sizeof(Scalar));
     return triple;
   }
 
