@@ -18,6 +18,7 @@
 #include "workbench/compare/measures.hpp"
 #include "workbench/scene/placed.hpp"
 #include "workbench/scene/surface.hpp"
+#include "workbench/terminal/progress.hpp"
 #include "workbench/terminal/table.hpp"
 #include "workbench/terminal/terminal.hpp"
 
@@ -126,8 +127,9 @@ void add(TreeFacts& sum, const TreeFacts& tree) {
 }
 
 // A surface is closed where each of its meshes is.
-Facts find_facts_of_places(const PlacedMeshes& placed) {
+Facts find_facts_of_places(const PlacedMeshes& placed, ProgressBar& bar) {
   Facts facts;
+  bar.show(0.0, "build");
   const std::vector<kerf::Bvh> objects = build_objects(placed);
   const kerf::Scene scene = build_scene(placed, objects);
   facts.bounds = bounds_of(placed, objects);
@@ -139,6 +141,7 @@ Facts find_facts_of_places(const PlacedMeshes& placed) {
   std::vector<std::size_t> copies(objects.size(), 0);
   for (const PlacedMeshes::Place& place : placed.places) ++copies[place.mesh];
   for (std::size_t i = 0; i < objects.size(); ++i) {
+    bar.show(0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(objects.size()), "meshes");
     Scene alone;
     alone.vertices = placed.meshes[i].vertices;
     alone.triangles = placed.meshes[i].triangles;
@@ -157,8 +160,10 @@ Facts find_facts_of_places(const PlacedMeshes& placed) {
 }
 
 Facts find_facts(const Scene& scene, const Options& options) {
-  if (scene.placed) return find_facts_of_places(*scene.placed);
+  ProgressBar bar;
+  if (scene.placed) return find_facts_of_places(*scene.placed, bar);
   Facts facts;
+  bar.show(0.0, "surface");
   facts.surface = surface_facts(scene);
   kerf::Bvh bvh;
   if (scene.hierarchy && options.builder.empty()) {
@@ -167,8 +172,15 @@ Facts find_facts(const Scene& scene, const Options& options) {
   } else {
     const kerf::BuilderInfo builder =
         parse_builder("--builder", options.builder.empty() ? "sbvh" : options.builder);
-    const kerf::Tree tree = kerf::build_tree(scene.mesh(), {.builder = builder.builder});
+    kerf::BuildOptions build{.builder = builder.builder};
+    build.progress = [&](float fraction) {
+      bar.show(0.2 + 0.2 * fraction, "build");
+      return true;
+    };
+    const kerf::Tree tree = kerf::build_tree(scene.mesh(), build);
+    bar.show(0.4, "measures of the tree");
     facts.tree = facts_of(tree, builder.name);
+    bar.show(0.9, "layout");
     bvh = kerf::make_bvh(tree);
   }
   facts.traced = bvh.statistics();

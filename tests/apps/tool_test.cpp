@@ -800,6 +800,15 @@ TEST_F(ToolOnATerminal, NothingIsWiderThanIt) {
     EXPECT_LE(widest_line(shown("xterm", arguments)), 80u) << arguments;
 }
 
+TEST_F(ToolOnATerminal, InfoShowsWhatItIsAtAndRemovesIt) {
+  const std::string text = shown("xterm", "info " + small);
+  const std::size_t measures = text.find("measures of the tree"), removed = text.rfind("\r\033[K");
+  ASSERT_NE(measures, std::string::npos);
+  ASSERT_NE(removed, std::string::npos);
+  EXPECT_LT(measures, removed);
+  EXPECT_LT(removed, text.find("triangles"));
+}
+
 TEST_F(ToolOnATerminal, OneThatIsDumbGetsNoEscapes) {
   for (const std::string& arguments : readable())
     EXPECT_EQ(shown("dumb", arguments).find('\033'), std::string::npos) << arguments;
