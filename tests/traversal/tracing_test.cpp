@@ -183,6 +183,32 @@ TEST(Tracing, RangesThatBeginAtOrBehindTheOriginAreSearchedAsTheyAre) {
   expect_brute_force_hits(soup, rays);
 }
 
+TEST(Tracing, ARangeOfZeroAloneHoldsZeroWhateverItsSigns) {
+  const std::vector<std::array<float, 3>> vertices{{0, 0, 0}, {4, 0, 0}, {0, 4, 0},
+                                                   {0, 0, 9}, {4, 0, 9}, {0, 4, 9}};
+  const std::vector<std::uint32_t> triangles{0, 1, 2, 3, 4, 5};
+  const kerf::Bvh bvh = kerf::build({.vertices = vertices, .triangles = triangles});
+  for (const float t_min : {0.0f, -0.0f}) {
+    for (const float t_max : {0.0f, -0.0f}) {
+      SCOPED_TRACE(testing::Message() << t_min << " to " << t_max);
+      const Ray ray{.origin = {1, 1, 0}, .direction = {0.25f, 0, 1}, .t_min = t_min, .t_max = t_max};
+      EXPECT_TRUE(bvh.intersect(ray).has_value());
+      EXPECT_TRUE(bvh.occluded(ray));
+      EXPECT_TRUE(bvh.intersect(ray, [](const kerf::Hit&) { return true; }).has_value());
+      EXPECT_EQ(bvh.all_hits(ray, {}), 1u);
+      const std::vector<Ray> same(64, ray);
+      std::vector<kerf::Hit> hits(same.size());
+      std::vector<std::uint8_t> occluded(same.size());
+      bvh.intersect(same, hits);
+      bvh.occluded(same, occluded);
+      EXPECT_EQ(std::count_if(hits.begin(), hits.end(),
+                              [](const kerf::Hit& hit) { return static_cast<bool>(hit); }),
+                64);
+      EXPECT_EQ(std::count(occluded.begin(), occluded.end(), 1), 64);
+    }
+  }
+}
+
 TEST(Tracing, DirectionLengthScalesTAlone) {
   std::mt19937 random(6);
   const TriangleSoup soup = random_soup(random, 100, 0.8f, 1.0f);

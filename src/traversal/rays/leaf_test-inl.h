@@ -72,7 +72,8 @@ struct Nearest {
   std::uint32_t primitive = invalid_id;
   std::uint32_t link = 0, lane = 0;  // where the triangle stands
 
-  explicit Nearest(float t_max = 0.0f) : first(t_max), last(t_max) {}
+  // 0 in place of -0: node steps may compare numbers as integers.
+  explicit Nearest(float t_max = 0.0f) : first(t_max + 0.0f), last(first) {}
 };
 
 HWY_INLINE Hit settled_hit(const WideBvh& bvh, const Ray& ray, const Nearest& nearest) {
