@@ -106,6 +106,8 @@ class SceneBench {
       library_ = make_bvh(tree);
       sbvh_references = library_.statistics().references;
       add("sbvh of the layout", Bvh(library_));
+      options.quality = Quality::best;
+      add("sbvh, best", Bvh(build_tree(mesh_, options)));
     }
   }
 

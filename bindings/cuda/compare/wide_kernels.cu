@@ -12,13 +12,13 @@ __global__ void __launch_bounds__(block, min_blocks)
     trace_closest_wide(WideHierarchy hierarchy, MeshTable meshes, const Ray* rays, Hit* hits,
                        std::size_t count) {
   const std::size_t i = std::size_t{blockIdx.x} * block + threadIdx.x;
-  if (i < count) hits[i] = trace_closest<WideTraversal>(hierarchy, meshes, rays[i]);
+  if (i < count) hits[i] = trace_closest<WideTraversal>(hierarchy, meshes, rays + i);
 }
 
 __global__ void __launch_bounds__(block, min_blocks)
     trace_any_wide(WideHierarchy hierarchy, const Ray* rays, std::uint8_t* occluded, std::size_t count) {
   const std::size_t i = std::size_t{blockIdx.x} * block + threadIdx.x;
-  if (i < count) occluded[i] = trace_any<WideTraversal>(hierarchy, rays[i]);
+  if (i < count) occluded[i] = trace_any<WideTraversal>(hierarchy, rays + i);
 }
 
 template <bool any_hit>
@@ -26,8 +26,9 @@ __global__ void __launch_bounds__(block)
     count_wide(WideHierarchy hierarchy, const Ray* rays, std::size_t count, TotalCounters* totals) {
   const std::size_t i = std::size_t{blockIdx.x} * block + threadIdx.x;
   if (i >= count) return;
+  TracedRay traced;
   WideTraversal<any_hit, false, true> traversal;
-  if (!trace(hierarchy, rays[i], traversal)) return;
+  trace(hierarchy, rays + i, traced, traversal);
   atomicAdd(&totals->nodes, traversal.search.counters.nodes);
   atomicAdd(&totals->triangles, traversal.search.counters.triangles);
 }

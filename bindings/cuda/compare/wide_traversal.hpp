@@ -28,8 +28,15 @@ struct WideTraversal {
 
   HitSearch<any_hit, exact, counting> search;
 
+  /// To the end of the ray.
+  KERF_CUDA_INLINE void run(const WideHierarchy& hierarchy, const TracedRay& ray, Stack& stack) {
+    start(hierarchy, ray, stack);
+    while (step(hierarchy, ray)) {
+    }
+  }
+
+ private:
   KERF_CUDA_INLINE void start(const WideHierarchy& hierarchy, const TracedRay& ray, Stack& stack) {
-    search.begin(ray);
     octant_ = 0;
     for (int axis = 0; axis < 3; ++axis)
       octant_ |= static_cast<std::uint32_t>(ray.boxes.backward[axis] < 0.0f) << axis;
@@ -53,7 +60,6 @@ struct WideTraversal {
     return visit_node(hierarchy, ray, number);
   }
 
- private:
   // The planes of one axis as the ray meets them.
   struct Axis {
     float forward, backward, enter, leave;
@@ -117,7 +123,8 @@ struct WideTraversal {
         continue;
       }
       const std::uint32_t kind = ((slot < 4 ? links.z : links.w) >> (8 * (slot & 3))) & 0xff;
-      if (search.test(ray, hierarchy.triangles, links.y + wide_leaf_offset(kind), wide_leaf_count(kind)))
+      if (search.test(ray, hierarchy.bounds, hierarchy.triangles, links.y + wide_leaf_offset(kind),
+                      wide_leaf_count(kind)))
         return false;
     }
     group_ = {links.x, (nodes << 8) | inner};

@@ -128,10 +128,13 @@ KERF_CUDA_INLINE float smallest_of(float a, float b, float c) {
 }
 
 KERF_CUDA_INLINE float absolute(float x) {
-  return as_float(as_bits(x) & 0x7fffffffu);
+  return std::fabs(x);
 }
 KERF_CUDA_INLINE double absolute(double x) {
-  return as_double(as_bits(x) & 0x7fffffffffffffffu);
+  return std::fabs(x);
+}
+KERF_CUDA_INLINE float one_of(std::uint32_t k, float a, float b, float c) {
+  return k == 0 ? a : k == 1 ? b : c;
 }
 // `std::max` and `std::min`, in what they do with what is no number, too.
 template <class T>
@@ -151,6 +154,40 @@ KERF_CUDA_INLINE float near_reciprocal(float x) {
   return result;
 #else
   return 1.0f / x;
+#endif
+}
+
+/// The next larger float; not for the largest.
+KERF_CUDA_INLINE float next_after(float x) {
+  if (x == 0.0f) return as_float(1u);
+  return as_float(x > 0.0f ? as_bits(x) + 1 : as_bits(x) - 1);
+}
+
+/// a / d and b / d, each rounded once but for the sign of a zero, and about 1 / d. The magnitude of d must
+/// lie in [2^-100, 2^100], those of a and b must not exceed it.
+struct Quotients {
+  float a, b, inverse;
+};
+KERF_CUDA_INLINE Quotients divide_both(float a, float b, float d) {
+#ifdef __CUDA_ARCH__
+  // What the device does for one division, with one reciprocal for both. Only where a quotient or what it
+  // leaves might not be a normal number, the division itself is asked.
+  constexpr float least = 0x1p-60f;
+  const float inverse = near_reciprocal(d);
+  const float better = __fmaf_rn(inverse, __fmaf_rn(-d, inverse, 1.0f), inverse);
+  const auto quotient = [&](float x) {
+    const float q = __fmul_rn(x, better);
+    return __fmaf_rn(better, __fmaf_rn(-q, d, x), q);
+  };
+  const auto is_small = [](float x) { return fabsf(x) < least && x != 0.0f; };
+  Quotients result{quotient(a), quotient(b), inverse};
+  if (is_small(a) || is_small(b)) {
+    result.a = __fdiv_rn(a, d);
+    result.b = __fdiv_rn(b, d);
+  }
+  return result;
+#else
+  return {a / d, b / d, 1.0f / d};
 #endif
 }
 

@@ -16,31 +16,29 @@ struct BinaryTraversal {
 
   HitSearch<any_hit, exact, counting> search;
 
-  KERF_CUDA_INLINE void start(const BinaryHierarchy& hierarchy, const TracedRay& ray, Stack& stack) {
-    search.begin(ray);
-    link_ = hierarchy.node_count == 0 ? no_link : 0;
+  /// To the end of the ray.
+  KERF_CUDA_INLINE void run(const BinaryHierarchy& hierarchy, const TracedRay& ray, Stack& stack) {
+    link_ = hierarchy.node_count != 0 ? 0 : no_link;
     leaf_ = 0;
     stack.link[0] = no_link;
     top_ = stack.link;
-  }
-
-  /// Down to a leaf and through its triangles. False when nothing is left.
-  KERF_CUDA_INLINE bool step(const BinaryHierarchy& hierarchy, const TracedRay& ray) {
-    while (link_ < no_link) {
-      visit_node(hierarchy, ray);
+    do {
+      while (link_ < no_link) {
+        visit_node(hierarchy, ray);
+        postpone_leaf();
+        // A lane that has found a leaf goes on to the next node while others still look for theirs.
+        if (!any_lane(leaf_ == 0)) break;
+      }
       postpone_leaf();
-      // A lane that has found a leaf goes on to the next node while others still look for theirs.
-      if (!any_lane(leaf_ == 0)) break;
-    }
-    postpone_leaf();
-    while (leaf_ != 0) {
-      const bool done = search.test(ray, hierarchy.triangles, leaf_first(leaf_), leaf_count(leaf_));
-      leaf_ = 0;
-      // Not by a return, which would leave the warp's other lanes to go on apart from each other.
-      if (done) link_ = no_link;
-      postpone_leaf();
-    }
-    return link_ != no_link;
+      while (leaf_ != 0) {
+        const bool done =
+            search.test(ray, hierarchy.bounds, hierarchy.triangles, leaf_first(leaf_), leaf_count(leaf_));
+        leaf_ = 0;
+        // Not by a return, which would leave the warp's other lanes to go on apart from each other.
+        if (done) link_ = no_link;
+        postpone_leaf();
+      }
+    } while (link_ != no_link);
   }
 
  private:

@@ -189,6 +189,8 @@ void Bvh::refit(std::span<const TriangleMesh> meshes, Stream stream) {
 Box3f Bvh::bounds() const {
   Box3f box;
   if (!content_ || content_->nodes.size() == 0) return box;
+  // A stream that does not wait for the default one may still refit.
+  check(cudaDeviceSynchronize(), "waiting for the device");
   SceneBounds bounds;
   content_->bounds.copy_to({&bounds, 1});
   for (int axis = 0; axis < 3; ++axis) {

@@ -31,8 +31,7 @@ class NextCrossings {
   KERF_CUDA_INLINE void find(const BinaryHierarchy& hierarchy, const Ray& ray, const TracedRay& traced,
                              const CrossingPlace& after) {
     count = 0;
-    const float length = longest_component(ray.direction);
-    const double scale = needs_scaling(length) ? scale_of(length) : 1.0;
+    const double scale = scale_of(ray.direction, is_far(ray, *hierarchy.bounds));
     const float from =
         after.t < -FLT_MAX ? traced.t_min : standard_max(traced.t_min, lowered(after.t * scale));
     float to = traced.t_max;
@@ -82,7 +81,7 @@ template <class Visit>
 KERF_CUDA_INLINE void for_each_crossing(const BinaryHierarchy& hierarchy, const Ray& ray, Visit&& visit) {
   constexpr int at_once = 8;
   TracedRay traced;
-  if (!prepare(ray, hierarchy.bounds, traced)) return;
+  if (!prepare(&ray, hierarchy.bounds, traced)) return;
   CrossingPlace last{-std::numeric_limits<float>::infinity(), 0};
   NextCrossings<at_once> next;
   do {

@@ -13,20 +13,26 @@ struct HitSearch {
   Counters counters;
 
   KERF_CUDA_INLINE void begin(const TracedRay& ray) {
-    nearest = no_hit(ray);
+    nearest = {ray.t_max, ray.t_max, invalid_id};
     open_ = decided_t;
+    rival_ = invalid_id;
+  }
+  /// Nothing is searched here: all is left to be decided at the end, or nothing is to be found.
+  KERF_CUDA_INLINE void skip(bool open) {
+    nearest = {0.0f, 0.0f, invalid_id};
+    open_ = open ? -FLT_MAX : decided_t;
     rival_ = invalid_id;
   }
 
   /// Tests `count` triangles from `first` on. True for a ray that needs no more.
-  KERF_CUDA_INLINE bool test(const TracedRay& ray, const DeviceTriangle* triangles, std::uint32_t first,
-                             std::uint32_t count) {
+  KERF_CUDA_INLINE bool test(const TracedRay& ray, const SceneBounds* scene, const DeviceTriangle* triangles,
+                             std::uint32_t first, std::uint32_t count) {
     if constexpr (counting) counters.triangles += count;
     const std::uint32_t end = first + count;
     for (std::uint32_t place = first; place < end && !(any_hit && nearest.found()); ++place) {
       const float open = test_triangle<any_hit>(ray, triangles, place, nearest);
       if constexpr (exact) {
-        if (open < decided_t) nearest = nearer_of(ray.source, triangles, place, nearest);
+        if (open < decided_t) nearest = nearer_of(ray.source, scene, ray.t_min, triangles, place, nearest);
       } else {
         if (open < decided_t) remember(triangles, place, open);
       }

@@ -63,21 +63,27 @@ struct Frame {
   float sx, sy, dz;
 };
 
-KERF_CUDA_INLINE Frame frame_of(const Vec3f& d) {
-  const float ax = absolute(d.x), ay = absolute(d.y), az = absolute(d.z);
-  const std::uint32_t kz = standard_max(ax, ay) > az ? (ax > ay ? 0 : 1) : 2;
-  const float dz = kz == 0 ? d.x : kz == 1 ? d.y : d.z;
-  const float dx = kz == 0 ? d.y : kz == 1 ? d.z : d.x;
-  const float dy = kz == 0 ? d.z : kz == 1 ? d.x : d.y;
-  const bool swapped = dz < 0.0f;
-  return {kz, swapped, (swapped ? dy : dx) / dz, (swapped ? dx : dy) / dz, dz};
-}
-
 /// A frame without the change of places, which only turns the signs of all edge functions.
 struct Shear {
   std::uint32_t axis_z;
   float x, y;
 };
+
+// The axis along which the direction is largest, and its components from there on.
+struct TurnedDirection {
+  std::uint32_t axis_z;
+  float x, y, z;
+};
+KERF_CUDA_INLINE TurnedDirection turned(const Vec3f& d) {
+  const float ax = absolute(d.x), ay = absolute(d.y), az = absolute(d.z);
+  const std::uint32_t k = maximum(ax, ay) > az ? (ax > ay ? 0 : 1) : 2;
+  return {k, one_of(k, d.y, d.z, d.x), one_of(k, d.z, d.x, d.y), one_of(k, d.x, d.y, d.z)};
+}
+KERF_CUDA_INLINE Frame frame_of(const Vec3f& direction) {
+  const TurnedDirection d = turned(direction);
+  const bool swapped = d.z < 0.0f;
+  return {d.axis_z, swapped, (swapped ? d.y : d.x) / d.z, (swapped ? d.x : d.y) / d.z, d.z};
+}
 
 struct TracedRay {
   const Ray* source;  // as the caller gave it
@@ -89,6 +95,10 @@ struct TracedRay {
   float error_unit;  // see `ErrorOfT`
   float min_value;   // of an edge function that single precision decides; infinite for a scene so large that
                      // results might leave the range of a float
+  bool is_wider;     // the range holds more than the caller's, see `has_subnormal_limit`
+
+  // Whether the ray may be traced with another direction than the caller's, see `needs_scaling`.
+  KERF_CUDA_INLINE bool may_be_far() const { return min_value > FLT_MAX; }
 };
 
 /// How far t may be off in single precision, in units of 2^-24 of the distance to the far side of the scene:
@@ -98,98 +108,164 @@ struct ErrorOfT {
   static constexpr float mean = 18.0f, shear = 8.0f;
 };
 
+/// The largest distance along an axis to the far side of the scene.
+KERF_CUDA_INLINE float far_side(const Vec3f& origin, const SceneBounds& scene) {
+  const float o[3] = {origin.x, origin.y, origin.z};
+  float distance = 0.0f;
+  for (int axis = 0; axis < 3; ++axis)
+    distance = maximum(distance,
+                       maximum(absolute(o[axis] - scene.lower[axis]), absolute(o[axis] - scene.upper[axis])));
+  return distance;
+}
+KERF_CUDA_INLINE float largest_coordinate(const SceneBounds& scene) {
+  float largest = 0.0f;
+  for (int axis = 0; axis < 3; ++axis)
+    largest = maximum(largest, maximum(absolute(scene.lower[axis]), absolute(scene.upper[axis])));
+  return largest;
+}
+/// Whether every direction is scaled, so that quotients of coordinates and of its components do not overflow:
+/// `PreparedRay::far` of the library.
+KERF_CUDA_INLINE bool is_far(float distance, const SceneBounds& scene) {
+  return !(distance + largest_coordinate(scene) < 0x1p90f);
+}
+KERF_CUDA_INLINE bool is_far(const Ray& ray, const SceneBounds& scene) {
+  return is_far(far_side(ray.origin, scene), scene);
+}
+
+KERF_CUDA_INLINE float longest_component(const Vec3f& d) {
+  return maximum(maximum(absolute(d.x), absolute(d.y)), absolute(d.z));
+}
+/// Whether a ray is traced with a direction that was scaled by a power of two: one that is very long or very
+/// short, so that neither distances nor inverses overflow.
+KERF_CUDA_INLINE bool needs_scaling(const Vec3f& direction, bool far) {
+  constexpr float shortest = 0x1p-8f, longest = 0x1p20f;
+  const float length = longest_component(direction);
+  return far || !(length > shortest && length < longest);
+}
+/// A t of the scaled ray is one of the caller's times this, which makes the largest component of the
+/// direction one in [1, 2), or in [2^26, 2^27) of a far ray.
+KERF_CUDA_INLINE double scale_of(const Vec3f& direction, bool far) {
+  if (!needs_scaling(direction, far)) return 1.0;
+  const double power =
+      as_double(as_bits(static_cast<double>(longest_component(direction))) & 0x7ff0000000000000u);
+  return far ? power * 0x1p-26 : power;
+}
+
+/// The direction as it is traced, with t_min and t_max in lengths of it.
 struct ScaledRay {
   float direction[3], t_min, t_max;
 };
 
-// A ray whose direction is very long or very short is scaled by a power of two, so that neither distances nor
-// inverses overflow.
-KERF_CUDA_INLINE bool needs_scaling(float length) {
-  constexpr float shortest = 0x1p-8f, longest = 0x1p20f;
-  return !(length > shortest && length < longest);
-}
-// A t of the scaled ray is one of the caller's times this, which makes the largest component of the direction
-// one in [1, 2).
-KERF_CUDA_INLINE double scale_of(double length) {
-  return as_double(as_bits(length) & 0x7ff0000000000000u);
-}
-// By value, so that no ray has an address and must lie in memory.
-KERF_CUDA_NOINLINE ScaledRay rescaled(float x, float y, float z, float t_min, float t_max, double length) {
-  const double scale = scale_of(length);
-  const double inverse = as_double(0x7fe0000000000000u - as_bits(scale));  // of a power of two: exact
+KERF_CUDA_INLINE float scaled_limit(double t, double scale) {
   const double highest = static_cast<double>(FLT_MAX);
-  return {{static_cast<float>(x * inverse), static_cast<float>(y * inverse), static_cast<float>(z * inverse)},
-          static_cast<float>(standard_max(standard_min(t_min * scale, highest), -highest)),
-          static_cast<float>(standard_max(standard_min(t_max * scale, highest), -highest))};
+  return static_cast<float>(standard_max(standard_min(t * scale, highest), -highest));
+}
+/// Whether a limit of the caller's range may be one to which several t of the scaled ray are rounded.
+KERF_CUDA_INLINE bool has_subnormal_limit(const Ray& ray, bool far) {
+  constexpr float smallest_exact = 0x1p-125f;
+  if (!needs_scaling(ray.direction, far)) return false;
+  return (ray.t_min != 0.0f && absolute(ray.t_min) < smallest_exact) || absolute(ray.t_max) < smallest_exact;
 }
 
-KERF_CUDA_INLINE float longest_component(const Vec3f& d) {
-  return standard_max(standard_max(absolute(d.x), absolute(d.y)), absolute(d.z));
-}
-
-/// The direction as it is traced, with t_min and t_max in lengths of it. False for a ray that can hit
-/// nothing: t_max < t_min, something not finite, or a direction of zero.
-KERF_CUDA_INLINE bool tame(const Ray& ray, ScaledRay& out) {
-  const Vec3f o = ray.origin, d = ray.direction;
-  const float length = longest_component(d);
+KERF_CUDA_INLINE bool is_finite(const Vec3f& o, const Vec3f& d) {
   // Zero times anything infinite or not a number is not a number, which equals nothing.
-  const float zero = (0.0f * o.x + 0.0f * o.y) + (0.0f * o.z + 0.0f * d.x) + (0.0f * d.y + 0.0f * d.z);
-  if (!((zero == 0.0f) & (ray.t_min <= ray.t_max))) return false;
-  out = {{d.x, d.y, d.z}, standard_max(ray.t_min, -FLT_MAX), standard_min(ray.t_max, FLT_MAX)};
-  if (needs_scaling(length)) {
-    if (!(length > 0.0f)) return false;
-    out = rescaled(d.x, d.y, d.z, out.t_min, out.t_max, length);
-  }
-  return out.t_min <= out.t_max;
+  const float numbers[] = {o.x, o.y, o.z, d.x, d.y, d.z};
+  float zero = 0.0f;
+  for (int i = 0; i < 6; ++i) zero = fused_multiply_add(0.0f, numbers[i], zero);
+  return zero == 0.0f;
 }
 
-/// False for a ray that can hit nothing, as in a hierarchy of nothing. `ray` must outlive `out`.
-KERF_CUDA_INLINE bool prepare(const Ray& ray, const SceneBounds* bounds, TracedRay& out) {
-  ScaledRay scaled{};
-  if (bounds == nullptr || !tame(ray, scaled)) return false;
+/// Whether a ray may be traced as it is: it can hit something, and is neither scaled nor far.
+KERF_CUDA_INLINE bool is_plain(const Ray& ray, bool far) {
+  return is_finite(ray.origin, ray.direction) && ray.t_min <= ray.t_max && !needs_scaling(ray.direction, far);
+}
+
+/// A ray of which `is_plain` is not true. By value, so that no ray has an address and must lie in memory.
+/// t_max < t_min for one that can hit nothing: t_max < t_min, something not finite, or a direction of zero.
+KERF_CUDA_NOINLINE ScaledRay tamed(Vec3f o, Vec3f d, float t_min, float t_max, bool far) {
+  constexpr double half_step = 0x1p-150;
+  if (!(is_finite(o, d) && t_min <= t_max && longest_component(d) > 0.0f))
+    return {{1.0f, 0.0f, 0.0f}, 0.0f, -1.0f};
+  const float first = maximum(t_min, -FLT_MAX), last = minimum(t_max, FLT_MAX);
+  if (!needs_scaling(d, far)) return {{d.x, d.y, d.z}, first, last};
+  const double scale = scale_of(d, far);
+  const double inverse = as_double(0x7fe0000000000000u - as_bits(scale));  // of a power of two: exact
+  // A limit that is no normal number may have been rounded to: the range holds every t that rounds into it.
+  return {{static_cast<float>(d.x * inverse), static_cast<float>(d.y * inverse),
+           static_cast<float>(d.z * inverse)},
+          scaled_limit(first == 0.0f ? 0.0 : first - half_step, scale),
+          scaled_limit(last + half_step, scale)};
+}
+
+/// A ray of which `is_plain` is true.
+KERF_CUDA_INLINE ScaledRay plain(const Ray& ray) {
+  return {{ray.direction.x, ray.direction.y, ray.direction.z},
+          maximum(ray.t_min, -FLT_MAX),
+          minimum(ray.t_max, FLT_MAX)};
+}
+
+KERF_CUDA_INLINE ScaledRay scaled_ray(const Ray& ray, bool far) {
+  return is_plain(ray, far) ? plain(ray) : tamed(ray.origin, ray.direction, ray.t_min, ray.t_max, far);
+}
+
+/// The caller's ray, read by wide loads where it is aligned for them, as all arrays of CUDA are.
+KERF_CUDA_INLINE Ray read(const Ray* ray) {
+#ifdef __CUDA_ARCH__
+  if ((reinterpret_cast<std::uintptr_t>(ray) & 15) == 0) {
+    static_assert(sizeof(Ray) == 32);
+    const float4 first = *reinterpret_cast<const float4*>(ray),
+                 second = reinterpret_cast<const float4*>(ray)[1];
+    return {{first.x, first.y, first.z}, {first.w, second.x, second.y}, second.z, second.w};
+  }
+#endif
+  return *ray;
+}
+
+/// False for a ray that can hit nothing, as in a hierarchy of nothing. `source` must outlive `out`.
+KERF_CUDA_INLINE bool prepare(const Ray* source, const SceneBounds* bounds, TracedRay& out) {
+  if (bounds == nullptr) return false;
+  const Ray ray = read(source);
   const SceneBounds scene = *bounds;
+  const float distance = far_side(ray.origin, scene);
+  const bool far = is_far(distance, scene);
+  ScaledRay scaled = plain(ray);
+  out.is_wider = false;
+  if (!is_plain(ray, far)) {
+    scaled = tamed(ray.origin, ray.direction, ray.t_min, ray.t_max, far);
+    out.is_wider = has_subnormal_limit(ray, far);
+  }
+  if (!(scaled.t_min <= scaled.t_max)) return false;
   const float o[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
-  const float d[3] = {scaled.direction[0], scaled.direction[1], scaled.direction[2]};
-  out.source = &ray;
+  const Vec3f d{scaled.direction[0], scaled.direction[1], scaled.direction[2]};
+  out.source = source;
   out.t_min = scaled.t_min;
   out.t_max = scaled.t_max;
 
-  float distance = 0.0f, coordinate = 0.0f, largest = 0.0f;
-  for (int axis = 0; axis < 3; ++axis) {
-    distance = maximum(distance,
-                       maximum(absolute(o[axis] - scene.lower[axis]), absolute(o[axis] - scene.upper[axis])));
-    coordinate = maximum(coordinate, absolute(o[axis]));
-    largest = maximum(largest, absolute(d[axis]));
-  }
+  // No coordinate of the origin exceeds distance and largest coordinate of the scene together.
   const float margin =
-      0x1p-24f * (BoxConstants::margin_of_distance * distance + BoxConstants::margin_of_origin * coordinate);
-  const float smallest = 0x1p-26f * largest;  // moves the ray by no more than a quarter of a unit of D
+      0x1p-24f * fused_multiply_add(BoxConstants::margin_of_distance + BoxConstants::margin_of_origin,
+                                    distance, BoxConstants::margin_of_origin * largest_coordinate(scene));
+  // Moves the ray by no more than a quarter of a unit of D.
+  const float smallest = 0x1p-26f * longest_component(d);
   for (int axis = 0; axis < 3; ++axis) {
     out.origin[axis] = o[axis];
-    const float positive = near_reciprocal(maximum(absolute(d[axis]), smallest));
-    const std::uint32_t sign = as_bits(d[axis]) & 0x80000000u;
-    const float inverse = as_float(as_bits(positive) | sign);
-    const float product = o[axis] * inverse, grown = margin * positive;
-    // Where distances along an axis might leave the range of a float, that axis rules nothing out.
-    const bool told = (distance + coordinate) * positive < 0x1p120f;
-    out.boxes.forward[axis] = told && sign == 0 ? inverse : 0.0f;
-    out.boxes.backward[axis] = told && sign != 0 ? inverse : 0.0f;
-    out.boxes.enter[axis] = told ? -product - grown : -FLT_MAX;
-    out.boxes.leave[axis] = told ? grown - product : FLT_MAX;
+    const float positive = near_reciprocal(maximum(absolute(scaled.direction[axis]), smallest));
+    const bool backward = scaled.direction[axis] < 0.0f;
+    const float inverse = backward ? -positive : positive;
+    const float grown = margin * positive;
+    out.boxes.forward[axis] = backward ? 0.0f : inverse;
+    out.boxes.backward[axis] = backward ? inverse : 0.0f;
+    out.boxes.enter[axis] = fused_multiply_add(-o[axis], inverse, -grown);
+    out.boxes.leave[axis] = fused_multiply_add(-o[axis], inverse, grown);
   }
 
-  const Frame frame = frame_of({d[0], d[1], d[2]});
-  out.shear = {frame.axis_z, frame.swapped ? frame.sy : frame.sx, frame.swapped ? frame.sx : frame.sy};
-  out.inverse_dz = near_reciprocal(frame.dz);
+  const TurnedDirection along = turned(d);
+  const Quotients quotients = divide_both(along.x, along.y, along.z);
+  out.shear = {along.axis_z, quotients.a, quotients.b};
+  out.inverse_dz = quotients.inverse;
   out.error_unit = 0x1p-24f * distance * absolute(out.inverse_dz);
   out.min_value = distance < 0x1p36f ? 0x1p-60f : as_float(0x7f800000u);
   return true;
-}
-
-/// A t of the prepared ray as one of the caller's `ray`.
-KERF_CUDA_INLINE float unscaled(const Ray& ray, float t) {
-  const float length = longest_component(ray.direction);
-  return needs_scaling(length) ? static_cast<float>(t / scale_of(length)) : t;
 }
 
 }  // namespace kerf::cuda

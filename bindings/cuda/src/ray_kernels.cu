@@ -5,19 +5,19 @@ namespace kerf::cuda {
 namespace {
 
 constexpr unsigned block = 128;
-constexpr int min_blocks = 8;  // on a multiprocessor: 64 registers for each thread
+constexpr int min_blocks = 9;  // on a multiprocessor: 56 registers for each thread
 
 __global__ void __launch_bounds__(block, min_blocks)
     trace_closest_hits(BinaryHierarchy hierarchy, MeshTable meshes, const Ray* rays, Hit* hits,
                        std::size_t count) {
   const std::size_t i = std::size_t{blockIdx.x} * block + threadIdx.x;
-  if (i < count) hits[i] = trace_closest(hierarchy, meshes, rays[i]);
+  if (i < count) hits[i] = trace_closest(hierarchy, meshes, rays + i);
 }
 
 __global__ void __launch_bounds__(block, min_blocks)
     trace_any_hits(BinaryHierarchy hierarchy, const Ray* rays, std::uint8_t* occluded, std::size_t count) {
   const std::size_t i = std::size_t{blockIdx.x} * block + threadIdx.x;
-  if (i < count) occluded[i] = trace_any(hierarchy, rays[i]);
+  if (i < count) occluded[i] = trace_any(hierarchy, rays + i);
 }
 
 template <bool any_hit>
@@ -25,8 +25,9 @@ __global__ void __launch_bounds__(block)
     trace_counting(BinaryHierarchy hierarchy, const Ray* rays, std::size_t count, TotalCounters* totals) {
   const std::size_t i = std::size_t{blockIdx.x} * block + threadIdx.x;
   if (i >= count) return;
+  TracedRay traced;
   BinaryTraversal<any_hit, false, true> traversal;
-  if (!trace(hierarchy, rays[i], traversal)) return;
+  trace(hierarchy, rays + i, traced, traversal);
   atomicAdd(&totals->nodes, traversal.search.counters.nodes);
   atomicAdd(&totals->triangles, traversal.search.counters.triangles);
 }

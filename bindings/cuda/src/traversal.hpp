@@ -13,10 +13,6 @@ struct Counters {
   std::uint32_t nodes = 0, triangles = 0;
 };
 
-KERF_CUDA_INLINE NearestHit no_hit(const TracedRay& ray) {
-  return {ray.t_max, ray.t_max, invalid_id};
-}
-
 /// True where some lane of the warp that runs this together says so.
 KERF_CUDA_INLINE bool any_lane(bool said) {
 #ifdef __CUDA_ARCH__

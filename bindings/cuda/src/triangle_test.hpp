@@ -31,9 +31,7 @@ struct ShearedCorner {
 KERF_CUDA_INLINE ShearedCorner sheared(const Shear& shear, const Vec3f& origin, const Vec3f& corner) {
   const float x = corner.x - origin.x, y = corner.y - origin.y, z = corner.z - origin.z;
   const std::uint32_t k = shear.axis_z;
-  const float along = k == 0 ? x : k == 1 ? y : z;
-  const float next = k == 0 ? y : k == 1 ? z : x;
-  const float after_next = k == 0 ? z : k == 1 ? x : y;
+  const float along = one_of(k, x, y, z), next = one_of(k, y, z, x), after_next = one_of(k, z, x, y);
   return {next - shear.x * along, after_next - shear.y * along, along};
 }
 KERF_CUDA_INLINE ShearedCorner shear(const Frame& frame, const Vec3f& origin, const Vec3f& corner) {
@@ -120,35 +118,34 @@ KERF_CUDA_INLINE std::uint32_t number_of(const DeviceTriangle& triangle) {
   return load(&triangle.corner[0]).w;
 }
 
-// The ray's hit with a triangle, all in exact terms. Out of line, as all that needs double precision is: it
-// would leave no registers to the traversal.
-KERF_CUDA_NOINLINE RayCrossing exact_hit(const Ray* ray, const DeviceTriangle* triangle) {
-  ScaledRay scaled{};
-  tame(*ray, scaled);
+// The ray's hit with a triangle, all in exact terms: t in lengths of the direction as it is traced. Out of
+// line, as all that needs double precision is: it would leave no registers to the traversal.
+KERF_CUDA_NOINLINE RayCrossing exact_hit(const Ray* ray, const SceneBounds* scene,
+                                         const DeviceTriangle* triangle) {
+  const ScaledRay scaled = scaled_ray(*ray, is_far(*ray, *scene));
   return hit_exactly(ray->origin, {scaled.direction[0], scaled.direction[1], scaled.direction[2]},
                      corners_of(*triangle));
 }
-/// t, u and v of a triangle that is hit; t in lengths of the direction as it is traced.
-KERF_CUDA_NOINLINE RayCrossing settled_hit(const Ray* ray, const DeviceTriangle* triangle) {
-  ScaledRay scaled{};
-  tame(*ray, scaled);
+/// t, u and v of a triangle that is hit.
+KERF_CUDA_NOINLINE RayCrossing settled_hit(const Ray* ray, const SceneBounds* scene,
+                                           const DeviceTriangle* triangle) {
+  const ScaledRay scaled = scaled_ray(*ray, is_far(*ray, *scene));
   const Vec3f d{scaled.direction[0], scaled.direction[1], scaled.direction[2]};
   const CrossingEstimate estimate = estimate_crossing(ray->origin, d, corners_of(*triangle));
   if (estimate.steep() && estimate.precise()) return estimate.crossing(estimate.height);
-  return exact_hit(ray, triangle);
+  return exact_hit(ray, scene, triangle);
 }
 
 /// The triangle at `place` against the nearest so far, where single precision leaves open whether it is hit,
-/// or lies behind t_min, or is the nearer. Of equal t the triangle with the lowest number is nearer.
-KERF_CUDA_NOINLINE NearestHit nearer_of(const Ray* ray, const DeviceTriangle* triangles, std::uint32_t place,
+/// or lies behind `t_min`, or is the nearer. Of equal t the triangle with the lowest number is nearer.
+KERF_CUDA_NOINLINE NearestHit nearer_of(const Ray* ray, const SceneBounds* scene, float t_min,
+                                        const DeviceTriangle* triangles, std::uint32_t place,
                                         NearestHit nearest) {
   const std::uint32_t number = number_of(triangles[place]);
-  ScaledRay scaled{};
-  tame(*ray, scaled);
-  const float t = exact_hit(ray, triangles + place).t;
-  if (!(t >= scaled.t_min && t <= nearest.last)) return nearest;
+  const float t = exact_hit(ray, scene, triangles + place).t;
+  if (!(t >= t_min && t <= nearest.last)) return nearest;
   if (nearest.first != nearest.last)
-    nearest.first = nearest.last = settled_hit(ray, triangles + nearest.reference).t;
+    nearest.first = nearest.last = settled_hit(ray, scene, triangles + nearest.reference).t;
   if (t > nearest.first) return nearest;
   if (t == nearest.first && nearest.found() && number >= number_of(triangles[nearest.reference]))
     return nearest;

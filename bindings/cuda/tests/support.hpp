@@ -34,8 +34,8 @@ struct HostHierarchy {
     return {first_triangles.data(), static_cast<std::uint32_t>(first_triangles.size() - 1)};
   }
 
-  Hit intersect(const Ray& ray) const { return trace_closest(view(), table(), ray); }
-  bool occluded(const Ray& ray) const { return trace_any(view(), ray); }
+  Hit intersect(const Ray& ray) const { return trace_closest(view(), table(), &ray); }
+  bool occluded(const Ray& ray) const { return trace_any(view(), &ray); }
   std::vector<Hit> all_hits(const Ray& ray) const {
     std::vector<Hit> hits(count_crossings(view(), ray));
     list_crossings(view(), table(), ray, hits.data(), hits.size());
@@ -144,6 +144,9 @@ struct GridMeshes {
     if (below(4) == 0) ray.t_min = static_cast<float>(below(1000)) * 1e-3f - 0.1f;
     if (below(100) == 0) ray.t_max = specials[below(4)];
     if (below(100) == 0) ray.t_min = specials[below(4)];
+    const float subnormal[] = {0x1p-149f, 0x1p-148f, 0x3p-149f, 0x1p-126f};
+    if (below(50) == 0) ray.t_max = subnormal[below(4)];
+    if (below(50) == 0) ray.t_min = subnormal[below(4)] * (below(2) == 0 ? 1.0f : -1.0f);
     return ray;
   }
 };

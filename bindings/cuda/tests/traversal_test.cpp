@@ -56,7 +56,7 @@ void expect_equal_answers(std::span<const TriangleMesh> meshes, std::span<const 
 }
 
 TEST(CudaTraversal, AnswersOfOddRaysAndPointsAreTheLibrarys) {
-  for (const float scale : {1.0f, 1e-9f, 3e12f, 0x1p80f}) {
+  for (const float scale : {1.0f, 1e-9f, 3e12f, 0x1p80f, 0x1p-100f, 0x1p100f, 0x1p121f}) {
     SCOPED_TRACE(scale);
     GridMeshes grid(scale);
     std::vector<Ray> rays(3000);

@@ -26,8 +26,8 @@ void expect_equal_hits(std::span<const TriangleMesh> meshes, std::span<const Ray
   std::size_t differing_hits = 0, differing_answers = 0;
   for (const Ray& ray : rays) {
     const Hit closest = bvh.intersect(ray).value_or(Hit{});
-    differing_hits += !(trace_closest<WideTraversal>(wide.view(), table, ray) == closest);
-    differing_answers += trace_any<WideTraversal>(wide.view(), ray) != static_cast<bool>(closest);
+    differing_hits += !(trace_closest<WideTraversal>(wide.view(), table, &ray) == closest);
+    differing_answers += trace_any<WideTraversal>(wide.view(), &ray) != static_cast<bool>(closest);
   }
   EXPECT_EQ(differing_hits, 0u);
   EXPECT_EQ(differing_answers, 0u);
