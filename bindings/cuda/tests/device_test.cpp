@@ -2,6 +2,7 @@
 #include <cuda_runtime_api.h>
 #include <gtest/gtest.h>
 #include <kerf/cuda/bvh.hpp>
+#include <kerf/cuda/gather.hpp>
 
 #include "../src/device_array.hpp"
 #include "support.hpp"
@@ -313,6 +314,38 @@ TEST_F(CudaDevice, BuildsAreTheSameEachTimeAndKeepToTheirMemory) {
   EXPECT_EQ(first.statistics().cost, second.statistics().cost);
   EXPECT_LE(first.statistics().references, 30000u);
   EXPECT_LE(first.statistics().bytes + first.statistics().scratch_bytes, build_bytes(20000));
+}
+
+TEST_F(CudaDevice, RaysAreGatheredAndCountsAreSummed) {
+  const std::vector<float> origins{1, 2, 3, 9, 4, 5, 6, 9, 7, 8, 9, 9};  // with a gap behind each
+  const std::vector<float> ends{10, 20, 30};
+  const DeviceArray<float> device_origins = sent(origins), device_ends = sent(ends);
+  RayView columns = RayView::origins_and_directions(device_origins.data(), nullptr, 3, 4 * sizeof(float));
+  for (Column<const float>& column : columns.direction) column.data = nullptr;
+  columns.t_max.data = device_ends.data();
+  const DeviceArray<Ray> rays = sent(std::vector<Ray>(3));
+  gather_rays(columns, {.origin = {}, .direction = {0, 0, -1}, .t_min = 0.5f}, rays.data());
+  const std::vector<Ray> gathered = fetched(rays);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(gathered[i].origin[axis], origins[4 * i + static_cast<std::size_t>(axis)]);
+    EXPECT_EQ(gathered[i].direction, (Vec3f{0, 0, -1}));
+    EXPECT_EQ(gathered[i].t_min, 0.5f);
+    EXPECT_EQ(gathered[i].t_max, ends[i]);
+  }
+
+  for (const std::size_t count : {0u, 1u, 1000u, 100000u}) {
+    std::vector<std::uint32_t> counts(count);
+    std::vector<std::uint64_t> sums(1, 0);
+    for (std::size_t i = 0; i < count; ++i) {
+      counts[i] = static_cast<std::uint32_t>(i * 2654435761u);  // whose sum takes more than 32 bits
+      sums.push_back(sums.back() + counts[i]);
+    }
+    const DeviceArray<std::uint32_t> device_counts = sent(counts);
+    const DeviceArray<std::uint64_t> offsets = sent(std::vector<std::uint64_t>(count + 1, 5));
+    sum_counts(device_counts.data(), offsets.data(), count);
+    EXPECT_EQ(differing(fetched(offsets), sums), 0u) << count << " counts";
+  }
 }
 
 }  // namespace
