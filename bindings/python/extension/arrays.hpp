@@ -172,5 +172,6 @@ void add_ray_queries(nb::module_& module);
 void add_point_queries(nb::module_& module);
 void add_shape_queries(nb::module_& module);
 void add_scene(nb::module_& module);
+void add_cuda(nb::module_& module);  // where KERF_BINDINGS_CUDA is ON
 
 }  // namespace kerf::python

@@ -94,4 +94,7 @@ NB_MODULE(_kerf, module) {
   add_point_queries(module);
   add_shape_queries(module);
   add_scene(module);
+#ifdef KERF_PYTHON_CUDA
+  add_cuda(module);
+#endif
 }

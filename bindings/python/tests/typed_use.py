@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 import kerf_bvh
+import kerf_bvh.cuda
 
 
 def first_hits(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64]) -> npt.NDArray[np.float32]:
@@ -31,3 +32,12 @@ def seen_through(bvh: kerf_bvh.Bvh, vertices: npt.NDArray[np.float32], faces: np
     near: kerf_bvh.ScenePoints = scene.within(vertices, 0.5)[0]
     lists: kerf_bvh.Lists[kerf_bvh.SceneHits] = scene.all_hits(vertices, [0, 0, 1])
     return [*scene.path(int(hits.instance[0])), int(near.instance[0]), len(lists.items)]
+
+
+def on_a_device(bvh: kerf_bvh.Bvh, rays: kerf_bvh.cuda.Array, stream: kerf_bvh.cuda.Stream) -> float:
+    copy = kerf_bvh.cuda.Bvh(bvh, device=0)
+    built = kerf_bvh.cuda.Bvh.build(rays, rays, max_reference_ratio=2.0, stream=stream)
+    hits: kerf_bvh.cuda.Hits = copy.intersect(rays, stream=stream)
+    lists: kerf_bvh.Lists[kerf_bvh.Hits] = built.all_hits(rays, [0, 0, 1]).get()
+    t: kerf_bvh.cuda.DeviceArray = hits.t
+    return float(t.get()[0]) + float(lists[0].t[0]) + built.statistics.cost
