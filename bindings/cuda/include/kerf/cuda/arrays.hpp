@@ -68,13 +68,13 @@ static_assert(sizeof(void*) != 8 ||
 
 /// The entries of a `__cuda_array_interface__`, version 2 or 3.
 struct CudaArrayInterface {
-  std::span<const std::int64_t> shape;
-  std::string_view typestr;               ///< `"<f4"`
-  std::uintptr_t data = 0;                ///< the first part of `data`
-  bool read_only = false;                 ///< the second part
-  std::span<const std::int64_t> strides;  ///< in bytes; empty for None
-  std::optional<std::uintptr_t> stream;   ///< on which the array is written; none for None
-  bool has_mask = false;                  ///< whether there is a `mask` other than None
+  std::span<const std::int64_t> shape = {};
+  std::string_view typestr = {};               ///< `"<f4"`
+  std::uintptr_t data = 0;                     ///< the first part of `data`
+  bool read_only = false;                      ///< the second part
+  std::span<const std::int64_t> strides = {};  ///< in bytes; empty for None
+  std::optional<std::uintptr_t> stream = {};   ///< on which the array is written; none for None
+  bool has_mask = false;                       ///< whether there is a `mask` other than None
 };
 
 /// An array as its owner describes it. Refers to the owner's memory, and keeps nothing alive.
