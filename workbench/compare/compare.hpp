@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
@@ -69,7 +70,8 @@ struct CompareOptions {
   unsigned threads = 0;             ///< that build and count, 0 for all there are; rays are timed on one
   RaySetOptions rays = {};          ///< size of each viewpoint's picture
   bool bound_rays = true;           ///< smaller pictures where rays visit so much that it would take hours
-  unsigned rounds = 3;              ///< of timing, at least
+  std::uint64_t max_visits = max_visits_of_a_pass;  ///< where rays are bounded: see `affordable`
+  unsigned rounds = 3;                              ///< of timing, at least
   double seconds_per_type = 1.0;  ///< more rounds follow until all hierarchies together traced for this long
 
   /// Called with the fraction of the work that is done and a word for what comes next. Must not throw.

@@ -21,6 +21,10 @@ using namespace kerf;
 
 constexpr std::size_t tile_size = 8;
 
+/// Pixels of a viewpoint's picture that is made smaller, on each side. One pixel alone would see the middle
+/// of the scene and nothing else.
+constexpr std::size_t min_side = 2;
+
 /// Length of an ambient-occlusion ray, in diagonals of the scene.
 constexpr float ao_reach = 0.25f;
 
@@ -162,15 +166,18 @@ double visits_per_ray(const Bvh& bvh, std::span<const Ray> rays, std::uint64_t m
 }
 
 RaySetOptions affordable(const Scene& scene, const Bvh& bvh, const RaySetOptions& options,
-                         std::uint64_t max_visits) {
+                         std::uint64_t max_visits, std::size_t hierarchies) {
   constexpr RaySetOptions probe{.width = 32, .height = 24};
   const double rays = static_cast<double>(scene.viewpoints.size() * options.width * options.height);
   const double wanted = visits_per_ray(bvh, primary_rays(scene, probe).rays, max_visits / 4) * rays;
   if (wanted <= static_cast<double>(max_visits)) return options;
-  const double scale = std::sqrt(static_cast<double>(max_visits) / wanted);
+  const double share = static_cast<double>(max_visits) / static_cast<double>(hierarchies);
+  const double scale = std::sqrt(share / wanted);
   const auto shrink = [&](std::size_t side) {
-    const auto tiles = static_cast<std::size_t>(scale * static_cast<double>(side) / tile_size);
-    return std::min(side, std::max<std::size_t>(tiles, 1) * tile_size);
+    const auto pixels = static_cast<std::size_t>(scale * static_cast<double>(side));
+    // Whole tiles, or a part of one.
+    const std::size_t rounded = pixels < tile_size ? pixels : pixels - pixels % tile_size;
+    return std::min(side, std::max(rounded, min_side));
   };
   return {.width = shrink(options.width), .height = shrink(options.height)};
 }

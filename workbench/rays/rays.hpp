@@ -60,9 +60,10 @@ inline constexpr std::uint64_t max_visits_of_a_pass = std::uint64_t{1} << 28;
 /// what telling apart triangles at the same t adds. Of the first rays only, if these take `max_visits`.
 double visits_per_ray(const kerf::Bvh& bvh, std::span<const kerf::Ray> rays, std::uint64_t max_visits);
 
-/// `options`, or a smaller picture if its primary rays would take more than `max_visits`. The same on every
-/// run, since it counts and does not time.
+/// `options`, or a smaller picture if its primary rays would take more than `max_visits`. Then as many
+/// `hierarchies` as trace these rays share the visits. The same on every run, since it counts and does not
+/// time.
 RaySetOptions affordable(const Scene& scene, const kerf::Bvh& bvh, const RaySetOptions& options,
-                         std::uint64_t max_visits = max_visits_of_a_pass);
+                         std::uint64_t max_visits = max_visits_of_a_pass, std::size_t hierarchies = 1);
 
 }  // namespace workbench

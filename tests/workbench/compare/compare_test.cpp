@@ -77,3 +77,33 @@ TEST(Compare, ProgressNeverFallsAndEndsAtOne) {
   compare(load_scene("sticks:detail=0.01"), all_builders(), options);
   EXPECT_EQ(last, 1.0);
 }
+
+TEST(Compare, ASweepOverEqualTrianglesTracesFewRaysAndMeasuresEqualTreesOnce) {
+  constexpr std::size_t count = 2000;
+  Scene heap{
+      .name = "heap", .vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {}, .viewpoints = {}};
+  heap.triangles.assign(count, {0, 1, 2});
+  heap.viewpoints = {{.position = {0.3f, 0.3f, 2}, .target = {0.3f, 0.3f, 0}, .up = {0, 1, 0}}};
+  std::vector<Contender> sweep;
+  for (const float alpha : {1.0f, 1e-1f, 1e-2f, 1e-3f, 1e-4f, 1e-5f, 1e-6f, 1e-7f, 0.0f})
+    sweep.push_back({.name = "sbvh", .options = {.builder = kerf::Builder::sbvh, .alpha = alpha}});
+  CompareOptions options = quick;
+  options.rays = {.width = 64, .height = 64};
+  options.max_visits = 4'000'000;
+  std::size_t measured = 0;
+  options.progress = [&](double, std::string_view what) { measured += what.starts_with("measure"); };
+  const SceneFigures figures = compare(heap, sweep, options).figures;
+
+  double tests = 0.0;
+  for (const BuilderFigures& builder : figures.builders) {
+    EXPECT_GT(builder.rays[0].hits, 0u);
+    EXPECT_EQ(builder.sah, figures.builders[0].sah);
+    EXPECT_EQ(builder.lcv, figures.builders[0].lcv);
+    tests += static_cast<double>(builder.rays[0].count) * builder.rays[0].triangle_tests;
+  }
+  EXPECT_GE(tests, 1.0 * count);
+  EXPECT_LE(tests, static_cast<double>(options.max_visits)) << "of all trees together";
+  EXPECT_LE(measured, 3u) << "no alpha but the first and the last can order the references in another way";
+  EXPECT_EQ(figures.disagreements(), 0u);
+  EXPECT_NE(figures.remark.find("not 64x64"), std::string::npos) << figures.remark;
+}
