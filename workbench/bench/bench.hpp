@@ -23,6 +23,9 @@ struct BenchRays {
   std::size_t count = 0;
   std::size_t hits = 0;
   double mrays_per_s = 0.0;
+
+  /// Of rays none of which hits anything, or of none at all, the time says nothing about an engine.
+  std::optional<double> speed() const { return hits > 0 ? std::optional(mrays_per_s) : std::nullopt; }
 };
 
 /// Where rays are when they are traced.

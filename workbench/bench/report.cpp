@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -62,26 +62,27 @@ Ratios ratios(std::span<const BenchScene> scenes, const BenchResult& kerf, const
                 .rays_made = kerf.rays_made,
                 .peer = is_kerf(peer) ? label(peer) + ", array" : peer.engine,
                 .min_scene = {}};
-  ratios.min = ratios.build_min = std::numeric_limits<double>::infinity();
   GeometricMean all, primary, builds;
   for (const BenchScene& scene : scenes) {
     const BenchResult* ours = find(scene, kerf);
     const BenchResult* theirs = find(scene, peer);
     if (ours == nullptr || theirs == nullptr) continue;
     for (std::size_t i = 0; i < ours->rays.size(); ++i) {
-      if (ours->rays[i].count == 0) continue;  // nothing was hit from which rays could begin
-      const double ratio = ours->rays[i].mrays_per_s / theirs->rays[i].mrays_per_s;
+      const std::optional<double> our_speed = ours->rays[i].speed(), their_speed = theirs->rays[i].speed();
+      if (!our_speed || !their_speed) continue;
+      const double ratio = *our_speed / *their_speed;
       all.add(ratio);
       if (ours->rays[i].type == RayType::primary) primary.add(ratio);
-      if (ratio < ratios.min) {
+      if (ratios.min == 0.0 || ratio < ratios.min) {
         ratios.min = ratio;
         ratios.min_scene = scene.name;
         ratios.min_type = ours->rays[i].type;
       }
     }
+    if (ours->bytes == 0 || theirs->bytes == 0) continue;  // there was nothing to build over
     const double build = theirs->build_ms / ours->build_ms;
     builds.add(build);
-    ratios.build_min = std::min(ratios.build_min, build);
+    ratios.build_min = ratios.build_min == 0.0 ? build : std::min(ratios.build_min, build);
     const auto share = [](std::size_t a, std::size_t b) {
       return b == 0 ? 0.0 : static_cast<double>(a) / static_cast<double>(b);
     };
@@ -95,24 +96,34 @@ Ratios ratios(std::span<const BenchScene> scenes, const BenchResult& kerf, const
   return ratios;
 }
 
+// In place of a figure that there is none of.
+constexpr const char* none = "-";
+
 // Marks the cell with the best value: the largest, or the smallest.
-void mark_best(Column& column, const std::vector<double>& values, bool largest) {
+void mark_best(Column& column, const std::vector<std::optional<double>>& values, bool largest) {
   if (values.size() < 2) return;
-  const auto best = largest ? std::max_element(values.begin(), values.end())
-                            : std::min_element(values.begin(), values.end());
-  column.cells[static_cast<std::size_t>(best - values.begin())].best = true;
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!values[i]) continue;
+    if (!best || (largest ? *values[i] > *values[*best] : *values[i] < *values[*best])) best = i;
+  }
+  if (best) column.cells[*best].best = true;
 }
 
 Column figures(const BenchScene& scene, std::string head, const char* format, bool largest,
-               const std::function<double(const BenchResult&)>& figure) {
+               const std::function<std::optional<double>(const BenchResult&)>& figure) {
   Column column{.head = std::move(head), .cells = {}};
-  std::vector<double> values;
+  std::vector<std::optional<double>> values;
   for (const BenchResult& result : scene.results) {
-    values.push_back(figure(result));
-    column.cells.push_back({fmt::format(fmt::runtime(format), values.back())});
+    const std::optional<double> value = values.emplace_back(figure(result));
+    column.cells.push_back({value ? fmt::format(fmt::runtime(format), *value) : none});
   }
   mark_best(column, values, largest);
   return column;
+}
+
+std::string format_factor(const char* format, double factor) {
+  return factor == 0.0 ? none : fmt::format(fmt::runtime(format), factor);
 }
 
 std::string format_scene(const BenchScene& scene, Emphasis emphasis, std::size_t max_width) {
@@ -137,7 +148,7 @@ std::string format_scene(const BenchScene& scene, Emphasis emphasis, std::size_t
   };
   for (std::size_t i = 0; i < std::size(ray_types); ++i) {
     columns.push_back(figures(scene, fmt::format("{} Mrays/s", name(ray_types[i])), "{:.2f}", true,
-                              [i](const BenchResult& r) { return r.rays[i].mrays_per_s; }));
+                              [i](const BenchResult& r) { return r.rays[i].speed(); }));
     columns.push_back(figures(scene, "hits", "{:.0f}", true,
                               [i](const BenchResult& r) { return static_cast<double>(r.rays[i].hits); }));
     for (Cell& cell : columns.back().cells) cell.best = false;
@@ -171,15 +182,15 @@ std::string format_limits(const BenchScene& scene, std::size_t max_width) {
     if (!is_kerf(result) || is_second_of_two(scene, result)) continue;
     Column took{.head = result.mode + " ns", .cells = {}}, reached{.head = "efficiency", .cells = {}};
     for (std::size_t i = 0; i < result.rays.size(); ++i) {
-      const double speed = result.rays[i].mrays_per_s;
-      if (!(speed > 0.0)) {  // there were no such rays
-        took.cells.emplace_back();
-        reached.cells.emplace_back();
+      const std::optional<double> speed = result.rays[i].speed();
+      if (!speed) {
+        took.cells.push_back({none});
+        reached.cells.push_back({none});
         continue;
       }
-      took.cells.push_back({fmt::format("{:.1f}", 1e3 / speed)});
+      took.cells.push_back({fmt::format("{:.1f}", 1e3 / *speed)});
       reached.cells.push_back(
-          {fmt::format("{:.2f}", efficiency(floor_ns(limits.times, limits.counts[i]), speed))});
+          {fmt::format("{:.2f}", efficiency(floor_ns(limits.times, limits.counts[i]), *speed))});
     }
     columns.push_back(std::move(took));
     columns.push_back(std::move(reached));
@@ -198,8 +209,9 @@ nlohmann::ordered_json limits_json(const BenchScene& scene) {
     const double floor = floor_ns(limits.times, counts);
     nlohmann::ordered_json efficiencies;
     for (const BenchResult& result : scene.results) {
-      if (is_kerf(result) && !is_second_of_two(scene, result) && result.rays[i].count > 0)
-        efficiencies[result.mode] = efficiency(floor, result.rays[i].mrays_per_s);
+      if (!is_kerf(result) || is_second_of_two(scene, result)) continue;
+      if (const std::optional<double> speed = result.rays[i].speed())
+        efficiencies[result.mode] = efficiency(floor, *speed);
     }
     rays[std::string(name(ray_types[i]))] = {{"steps", counts.nodes},
                                              {"leaves", counts.leaves},
@@ -227,14 +239,14 @@ std::string format_ratios(std::span<const BenchScene> scenes, std::size_t max_wi
     const std::string cells[] = {r.mode,
                                  std::string(name(r.rays_made)),
                                  r.peer,
-                                 fmt::format("{:.2f}x", r.mean),
-                                 fmt::format("{:.2f}x", r.primary_mean),
-                                 fmt::format("{:.2f}x", r.min),
-                                 fmt::format("{}, {}", r.min_scene, name(r.min_type)),
-                                 fmt::format("{:.2f}x", r.build_mean),
-                                 fmt::format("{:.2f}x", r.build_min),
-                                 fmt::format("{:.2f}", r.bytes_max),
-                                 fmt::format("{:.2f}", r.peak_bytes_max)};
+                                 format_factor("{:.2f}x", r.mean),
+                                 format_factor("{:.2f}x", r.primary_mean),
+                                 format_factor("{:.2f}x", r.min),
+                                 r.min == 0.0 ? none : fmt::format("{}, {}", r.min_scene, name(r.min_type)),
+                                 format_factor("{:.2f}x", r.build_mean),
+                                 format_factor("{:.2f}x", r.build_min),
+                                 format_factor("{:.2f}", r.bytes_max),
+                                 format_factor("{:.2f}", r.peak_bytes_max)};
     for (std::size_t c = 0; c < columns.size(); ++c) columns[c].cells.push_back({cells[c]});
   }
   return fold_text(
@@ -273,8 +285,9 @@ nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRu
     for (const BenchResult& result : scene.results) {
       nlohmann::ordered_json rays;
       for (const BenchRays& r : result.rays) {
-        rays[std::string(name(r.type))] = {
-            {"count", r.count}, {"hits", r.hits}, {"mrays_per_s", r.mrays_per_s}};
+        auto& entry = rays[std::string(name(r.type))] = {{"count", r.count}, {"hits", r.hits}};
+        const std::optional<double> speed = r.speed();
+        entry["mrays_per_s"] = speed ? nlohmann::ordered_json(*speed) : nlohmann::ordered_json();
       }
       nlohmann::ordered_json entry{{"engine", result.engine},
                                    {"mode", result.mode},

@@ -19,7 +19,8 @@ struct BenchRun {
   std::string target;  ///< kerf's instruction set
 };
 
-/// `{"kerf": version, "threads": N, "target": "AVX2", "scenes": [...]}`, its keys in a fixed order.
+/// `{"kerf": version, "threads": N, "target": "AVX2", "scenes": [...]}`, its keys in a fixed order. The speed
+/// of rays that hit nothing is null.
 nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRun& run);
 
 /// One table per scene, then kerf's speed relative to each peer: the geometric mean over scenes and types of
@@ -29,7 +30,8 @@ std::string format_bench(std::span<const BenchScene> scenes, Emphasis emphasis,
 
 /// kerf in one of its modes, relative to a peer: with single rays where the peer's are, or where they are
 /// made relative to kerf with those in an array, if both were measured. Ratios of speeds are above 1 where
-/// kerf is faster, ratios of bytes below 1 where kerf is smaller.
+/// kerf is faster, ratios of bytes below 1 where kerf is smaller. 0 where there is nothing to compare: no ray
+/// hit anything, or there was nothing to build over.
 struct Ratios {
   std::string mode;                      ///< of kerf
   RaysMade rays_made = RaysMade::array;  ///< of kerf

@@ -170,9 +170,39 @@ TEST(Bench, RemarksOnAPeerThatHitsMuchLess) {
 TEST(Bench, RatiosAreOfRaysThatThereAre) {
   BenchScene scene = made_up("nothing is hit", 2.0);
   for (BenchResult& result : scene.results) {
-    for (std::size_t i = 1; i < 3; ++i) result.rays[i].count = 0, result.rays[i].mrays_per_s = 0.0;
+    for (std::size_t i = 1; i < 3; ++i) result.rays[i] = {.type = ray_types[i]};
   }
   EXPECT_EQ(ratios_to_peers(std::span(&scene, 1))[0].mean, 2.0);
+}
+
+TEST(Bench, WhereNothingIsHitThereAreNeitherSpeedsNorRatios) {
+  // All triangles are points or lines.
+  const Scene nothing{.name = "nothing",
+                      .vertices = {{0, 0, 0}, {1, 0, 0}},
+                      .triangles = {{0, 0, 1}, {1, 1, 1}},
+                      .viewpoints = {{.position = {0, 0, 2}, .target = {0, 0, 0}, .up = {0, 1, 0}}}};
+  BenchOptions options = short_run(1);
+  options.limits = true;
+  const BenchScene figures = bench_scene(nothing, all_engines(1), options);
+  EXPECT_GT(figures.results[0].rays[0].count, 0u);
+  const auto json = to_json(std::span(&figures, 1), {.version = "0.1.0", .target = {}})["scenes"][0];
+  for (const auto& result : json["results"]) {
+    for (const auto& [type, rays] : result["rays"].items()) {
+      EXPECT_TRUE(rays["mrays_per_s"].is_null()) << result["engine"] << " " << type;
+      EXPECT_EQ(rays["hits"], 0);
+    }
+  }
+  for (const auto& [type, rays] : json["limits"]["rays"].items()) EXPECT_TRUE(rays["efficiency"].is_null());
+  for (const Ratios& ratios : ratios_to_peers(std::span(&figures, 1))) {
+    for (const double ratio : {ratios.mean, ratios.primary_mean, ratios.min, ratios.build_mean,
+                               ratios.build_min, ratios.bytes_max, ratios.peak_bytes_max})
+      EXPECT_EQ(ratio, 0.0) << ratios.peer;
+  }
+  const std::string text = format_bench(std::span(&figures, 1), Emphasis::mark);
+  EXPECT_NE(text.find(" - "), std::string::npos) << text;
+  EXPECT_EQ(text.find("0x"), std::string::npos) << text;
+  EXPECT_EQ(text.find("inf"), std::string::npos) << text;
+  EXPECT_EQ(text.find("nan"), std::string::npos) << text;
 }
 
 TEST(Bench, RaysMadeAndInAnArrayAreComparedEachWithItsOwnKindAndWithEachOther) {
