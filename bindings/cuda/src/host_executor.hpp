@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "build/boxes.hpp"
+#include "sort_by_key.hpp"
 
 namespace kerf::cuda {
 
@@ -49,10 +50,7 @@ struct HostExecutor {
     std::exclusive_scan(in, in + count, out, std::uint64_t{0});
   }
   void sort(std::vector<std::uint64_t>& keys, std::vector<std::uint32_t>& values, std::uint32_t count) const {
-    std::vector<std::uint32_t> order(count);
-    std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
+    const std::vector<std::size_t> order = places_by_key(count, [&](std::size_t i) { return keys[i]; });
     const std::vector<std::uint64_t> old_keys = keys;
     const std::vector<std::uint32_t> old_values = values;
     for (std::uint32_t i = 0; i < count; ++i) {

@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "sort_by_key.hpp"
+
 namespace kerf::cuda {
 namespace {
 
@@ -69,9 +71,9 @@ class Splitter {
     double best_cost = std::numeric_limits<double>::infinity();
     std::vector<SourceTriangle> order(begin, begin + leaf.count);
     for (int axis = 0; axis < 3; ++axis) {
-      std::stable_sort(order.begin(), order.end(), [&](const SourceTriangle& a, const SourceTriangle& b) {
-        const Box3f p = box_in(a, leaf.box), q = box_in(b, leaf.box);
-        return double{p.lower[axis]} + p.upper[axis] < double{q.lower[axis]} + q.upper[axis];
+      sort_by_key(order, [&](const SourceTriangle& triangle) {
+        const Box3f box = box_in(triangle, leaf.box);
+        return double{box.lower[axis]} + box.upper[axis];
       });
       std::vector<double> right_area(leaf.count);
       Box3f box;

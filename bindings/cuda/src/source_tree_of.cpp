@@ -6,6 +6,7 @@
 #include <kerf/inspect.hpp>
 #include <kerf/layout.hpp>
 
+#include "sort_by_key.hpp"
 #include "source_tree.hpp"
 
 namespace kerf::cuda {
@@ -61,9 +62,8 @@ class LayoutReader {
     std::size_t best_left = count / 2;
     double best_cost = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
-      std::stable_sort(order.begin(), order.end(), [&](const Child& a, const Child& b) {
-        return double{a.box.lower[axis]} + a.box.upper[axis] < double{b.box.lower[axis]} + b.box.upper[axis];
-      });
+      sort_by_key(order,
+                  [&](const Child& child) { return double{child.box.lower[axis]} + child.box.upper[axis]; });
       std::vector<double> right(count);
       Box3f box;
       for (std::size_t i = count; i-- > 1;) {

@@ -1,7 +1,10 @@
 // The build of the device, run on the host.
+#include <numeric>
+
 #include <gtest/gtest.h>
 
 #include "../src/refit.hpp"
+#include "../src/sort_by_key.hpp"
 #include "support.hpp"
 
 namespace kerf::cuda {
@@ -135,6 +138,18 @@ TEST(CudaBuild, RoundsWithoutChoiceEndSoon) {
       FindNeighbour{nodes.data(), clusters.data(), count, 0, 1.0f, neighbour.data()}(i);
     for (std::uint32_t i = 0; i + 1 < count; i += 2) EXPECT_EQ(neighbour[i], i + 1);
   }
+}
+
+TEST(CudaBuild, SortsKeepTheOrderOfEqualKeys) {
+  constexpr std::uint32_t count = 1000, keys = 7;
+  std::vector<std::uint32_t> items(count);
+  std::iota(items.begin(), items.end(), 0u);
+  sort_by_key(items, [](std::uint32_t item) { return double(item % keys); });
+  std::vector<std::uint32_t> expected;
+  for (std::uint32_t key = 0; key < keys; ++key) {
+    for (std::uint32_t item = key; item < count; item += keys) expected.push_back(item);
+  }
+  EXPECT_EQ(items, expected);
 }
 
 TEST(CudaBuild, SaysWhatIsWrongWithAMesh) {
