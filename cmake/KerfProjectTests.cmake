@@ -2,6 +2,7 @@
 
 add_test(NAME Architecture.RoomsIncludeOnlyWhatTheyMay COMMAND ${PROJECT_SOURCE_DIR}/scripts/check-includes)
 include(KerfDocuments)
+include(KerfOlderCpp)
 include(KerfRefusedTypes)
 include(KerfProgramSize)
 

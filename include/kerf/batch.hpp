@@ -2,6 +2,9 @@
 // caller's memory, of plain addresses and distances, as other languages have them at hand.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -180,3 +183,5 @@ struct Lists {
 };
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

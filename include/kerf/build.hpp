@@ -1,6 +1,9 @@
 // From meshes to a hierarchy that can be traced.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -118,3 +121,5 @@ Bvh build(const Mesh& mesh, const BuildOptions& options) {
 }
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

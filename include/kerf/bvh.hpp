@@ -1,6 +1,9 @@
 // The hierarchy: rays are traced and questions answered here.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -340,3 +343,5 @@ class KERF_API Bvh {
 };
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

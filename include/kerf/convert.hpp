@@ -1,6 +1,9 @@
 // Points, directions and rays from the types of other libraries, without including any of them.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <concepts>
 #include <limits>
 #include <type_traits>
@@ -111,3 +114,5 @@ constexpr DoubleRay to_double_ray(const Origin& origin, const Direction& directi
 }
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

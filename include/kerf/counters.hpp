@@ -1,6 +1,9 @@
 // What a traversal did.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <cstdint>
 
 namespace kerf {
@@ -13,3 +16,5 @@ struct TraversalCounters {
 };
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

@@ -1,6 +1,9 @@
 // The one exception type that kerf throws.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <cstddef>
 #include <exception>
 #include <string_view>
@@ -43,3 +46,5 @@ class KERF_API Error : public std::exception {
 };
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

@@ -1,6 +1,9 @@
 // The name of a file, from whatever a program keeps such names in.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <concepts>
 #include <cstddef>
 
@@ -51,3 +54,5 @@ class FileName {
 };
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

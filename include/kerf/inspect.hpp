@@ -2,6 +2,9 @@
 // it is, and what a traversal does. `build` and `Bvh` need none of this.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -123,3 +126,5 @@ KERF_API std::uint64_t repeat_leaf_tests(const Bvh& bvh, const Ray& ray, ChildLi
 KERF_API Bvh join_meshes(const Bvh& bvh);
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

@@ -3,6 +3,9 @@
 // none of this.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -170,3 +173,5 @@ inline PrimitiveId locate(std::span<const std::uint32_t> first_triangles, std::u
 }
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

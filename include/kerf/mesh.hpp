@@ -1,6 +1,9 @@
 // Triangle meshes as kerf sees them: views of memory that the caller owns.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -156,3 +159,5 @@ struct DoubleMesh {
 };
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

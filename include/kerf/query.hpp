@@ -1,6 +1,9 @@
 // What the spatial queries of a `Bvh` answer with.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -71,3 +74,5 @@ struct Transform {
 };
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

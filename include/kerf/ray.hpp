@@ -1,6 +1,9 @@
 // Rays and what they hit.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <cstdint>
 #include <limits>
 
@@ -57,3 +60,5 @@ struct Hit {
 };
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

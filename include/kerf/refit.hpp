@@ -1,6 +1,9 @@
 // Meshes that bend: a hierarchy follows corners that have moved.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <concepts>
 #include <span>
 
@@ -45,3 +48,5 @@ RefitReport refit(Bvh& bvh, const Mesh& mesh, const BuildOptions& options = {}) 
 }
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

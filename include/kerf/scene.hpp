@@ -1,6 +1,9 @@
 // Scenes of objects that repeat and move: many places for one hierarchy.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -392,3 +395,5 @@ inline constexpr unsigned max_scene_levels = 8;
 KERF_API Scene build(std::span<const Instance> instances, const BuildOptions& options = {});
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

@@ -1,6 +1,9 @@
 // How handles share what they stand for.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <kerf/export.hpp>
 
 namespace kerf {
@@ -32,3 +35,5 @@ class KERF_API Shared {
 /// @endcond
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

@@ -1,6 +1,9 @@
 // Threads of the caller's own.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <functional>
 
 #include <kerf/export.hpp>
@@ -27,3 +30,5 @@ struct ThreadPool {
 KERF_API void run_on(const ThreadPool& pool, const std::function<void()>& work);
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

@@ -1,6 +1,9 @@
 // The binary tree that a builder makes, before it becomes the structure that is traced.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -65,3 +68,5 @@ class KERF_API Tree {
 };
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

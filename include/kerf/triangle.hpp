@@ -1,6 +1,9 @@
 // A triangle by its vertices.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <kerf/vec.hpp>
 
 namespace kerf {
@@ -15,3 +18,5 @@ struct Triangle {
 };
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

@@ -2,6 +2,9 @@
 // conversions. Libraries of vectors and matrices are known by what their types offer, none by its name.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -210,3 +213,5 @@ concept Refused = Collection<R, View> && !Temporary<R, View> && !TriplesOf<R, Sc
 /// @endcond
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20

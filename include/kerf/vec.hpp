@@ -1,6 +1,9 @@
 // Points, directions and axis-aligned boxes: plain values, the vocabulary of every other header.
 #pragma once
 
+#include <kerf/cpp20.hpp>
+#ifdef KERF_HAS_CPP20
+
 #include <limits>
 
 namespace kerf {
@@ -44,3 +47,5 @@ struct Box3f {
 };
 
 }  // namespace kerf
+
+#endif  // KERF_HAS_CPP20
