@@ -62,24 +62,44 @@ struct Part {
 // it.
 class PartReader {
  public:
-  explicit PartReader(Part& part) : part_(part), at_(part.text.data()), end_(at_ + part.text.size()) {}
+  explicit PartReader(Part& part)
+      : part_(part),
+        at_(part.text.data()),
+        end_(at_ + part.text.size()),
+        is_ended_(ends_with_a_line(part.text)) {}
 
   /// Reads on to the end, or until it has read the vertex or the face of that number in the part, and returns
   /// where that begins. Faces of fewer than three corners do not count.
   const char* read(std::size_t last_vertex = none, std::size_t last_face = none) {
+    return is_ended_ ? read_to(FarEnd{end_}, last_vertex, last_face) : read_to(end_, last_vertex, last_face);
+  }
+
+ private:
+  // Whether a line ends behind all that is no space: then no plain statement reaches the end.
+  static bool ends_with_a_line(std::string_view text) {
+    while (!text.empty() && is_space(text.back())) {
+      if (is_line_end(text.back())) return true;
+      text.remove_suffix(1);
+    }
+    return text.empty();
+  }
+
+  // `end` is that of plain statements.
+  template <class End>
+  const char* read_to(End end, std::size_t last_vertex, std::size_t last_face) {
     while (at_ != end_ && part_.wrong == nullptr) {
       at_ = skip_spaces(at_, end_);
       if (at_ == end_) break;
       const char* const statement = at_;
-      const char* const behind = skip_word(at_, end_);
+      const char* const behind = skip_word(at_, end);
       const std::size_t length = static_cast<std::size_t>(behind - at_);
       if (*at_ == 'v' && length == 1) {
         at_ = behind;
-        if (!read_plain_vertex()) read_vertex();
+        if (!read_plain_vertex(end)) read_vertex();
         if (part_.vertices.size() > last_vertex) return statement;
       } else if (*at_ == 'f' && (length == 1 || (length == 2 && at_[1] == 'o'))) {  // fo: of old files
         at_ = behind;
-        if (!read_plain_triangle()) read_face();
+        if (!read_plain_triangle(end)) read_face();
         if (part_.triangles.size() + part_.polygons.size() > last_face) return statement;
       } else if ((*at_ == 'l' || *at_ == 'p') && length == 1) {
         ++part_.lines_and_points;
@@ -87,12 +107,11 @@ class PartReader {
         const std::string_view keyword(at_, length);
         part_.free_forms += keyword == "curv" || keyword == "curv2" || keyword == "surf";
       }
-      if (part_.wrong == nullptr) at_ = find_line_end(at_, end_);
+      if (part_.wrong == nullptr && (at_ == end_ || !is_line_end(*at_))) at_ = find_line_end(at_, end_);
     }
     return end_;
   }
 
- private:
   // Blanks, and ends of lines that a `\` undoes.
   void skip_gap() {
     for (;;) {
@@ -106,18 +125,20 @@ class PartReader {
     }
   }
   bool at_statement_end() const { return at_ == end_ || is_line_end(*at_) || *at_ == '#'; }
-  static bool ends_word(const char* at, const char* end) {
+  template <class End>
+  static bool ends_word(const char* at, End end) {
     return at == end || is_space(*at) || *at == '#' || *at == '\\';
   }
 
   // What nearly all vertices are: numbers on one line. False, and nothing was read, if there is anything
   // else.
-  bool read_plain_vertex() {
+  template <class End>
+  bool read_plain_vertex(End end) {
     const char* at = at_;
     Real values[3];
     for (Real& value : values) {
-      value = parse_real(skip_blanks(at, end_), end_);
-      if (value.end == nullptr || value.end == end_ || !is_space(*value.end)) return false;
+      value = parse_real(skip_blanks(at, end), end);
+      if (value.end == nullptr || value.end == end || !is_space(*value.end)) return false;
       at = value.end;
     }
     at_ = at;
@@ -160,25 +181,25 @@ class PartReader {
 
   // What nearly all faces are: three numbers that count from the file's first vertex, on one line. False, and
   // nothing was read, if there is anything else.
-  bool read_plain_triangle() {
+  template <class End>
+  bool read_plain_triangle(End end) {
     constexpr std::ptrdiff_t max_digits = 9;  // all such numbers are below `max_vertices`
     const char* at = at_;
     std::uint32_t corners[3];
     for (std::uint32_t& corner : corners) {
-      at = skip_blanks(at, end_);
+      at = skip_blanks(at, end);
       const char* const first = at;
-      std::uint32_t number = 0;
-      for (; at != end_ && static_cast<unsigned char>(*at - '0') < 10; ++at)
-        number = 10 * number + static_cast<unsigned char>(*at - '0');
+      std::uint64_t number = 0;
+      at = read_digits(at, end, number);
       if (number == 0 || at - first > max_digits) return false;
-      corner = number - 1;
-      if (at != end_ && *at == '/') {
-        while (!ends_word(at, end_)) ++at;
+      corner = static_cast<std::uint32_t>(number) - 1;
+      if (at != end && *at == '/') {
+        while (!ends_word(at, end)) ++at;
       }
-      if (at == end_ || !is_space(*at)) return false;
+      if (at == end || !is_space(*at)) return false;
     }
-    at = skip_blanks(at, end_);
-    if (at == end_ || !is_line_end(*at)) return false;
+    at = skip_blanks(at, end);
+    if (at == end || !is_line_end(*at)) return false;
     part_.triangles.push_back({corners[0], corners[1], corners[2]});
     at_ = at;
     return true;
@@ -246,6 +267,7 @@ class PartReader {
   Part& part_;
   const char* at_;
   const char* end_;
+  const bool is_ended_;
 };
 
 // The text in parts that end with statements.

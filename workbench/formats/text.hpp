@@ -10,20 +10,42 @@
 
 namespace workbench {
 
+// Whether `characters`, none of which is behind the blank, has a bit for `c`: most characters of a file are
+// behind it.
+inline bool is_among(std::uint64_t characters, char c) {
+  const auto code = static_cast<unsigned char>(c);
+  return code <= ' ' && ((characters >> code) & 1) != 0;
+}
+constexpr std::uint64_t bits_of(std::string_view characters) {
+  std::uint64_t bits = 0;
+  for (const char c : characters) bits |= std::uint64_t{1} << static_cast<unsigned char>(c);
+  return bits;
+}
+
+inline constexpr std::uint64_t line_ends = bits_of("\n\r");
+/// Blanks do not end a line. A file may end with bytes of zero.
+inline constexpr std::uint64_t blanks = bits_of({" \t\v\f\0", 5});
+
 inline bool is_line_end(char c) {
   return c == '\n' || c == '\r';
 }
-
-/// A blank that does not end a line. A file may end with bytes of zero.
 inline bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0';
+  return is_among(blanks, c);
 }
-
 inline bool is_space(char c) {
-  return is_blank(c) || is_line_end(c);
+  return is_among(blanks | line_ends, c);
 }
 
-inline const char* skip_blanks(const char* at, const char* end) {
+/// An end that need not be looked for: before it stands something at which whoever reads stops, the end of a
+/// line for example. To look for ends takes a part of the time in which numbers are read.
+struct FarEnd {
+  const char* end;
+
+  friend bool operator==(const char*, FarEnd) { return false; }
+};
+
+template <class End>
+inline const char* skip_blanks(const char* at, End end) {
   while (at != end && is_blank(*at)) ++at;
   return at;
 }
@@ -34,7 +56,8 @@ inline const char* skip_spaces(const char* at, const char* end) {
 }
 
 /// The end of the word that begins at `at`.
-inline const char* skip_word(const char* at, const char* end) {
+template <class End>
+inline const char* skip_word(const char* at, End end) {
   while (at != end && !is_space(*at)) ++at;
   return at;
 }

@@ -100,6 +100,33 @@ TEST(Numbers, KeepWhatRoundingToFloatsTakes) {
   EXPECT_EQ(parse("500000.01").remainder(), static_cast<float>(500000.01 - 500000.0));
 }
 
+TEST(Numbers, RowsOfDigitsEndAtTheFirstByteThatIsNone) {
+  std::mt19937 random(3);
+  for (int i = 0; i < 20'000; ++i) {
+    std::string text;
+    std::uint64_t expected = 7;  // digits that were read before
+    const std::size_t count = random() % 18;
+    for (std::size_t k = 0; k < count; ++k) {
+      text += static_cast<char>('0' + random() % 10);
+      expected = 10 * expected + static_cast<std::uint64_t>(text.back() - '0');
+    }
+    const std::size_t rest = random() % 10;  // so that eight bytes are there or not
+    for (std::size_t k = 0; k < rest; ++k) {
+      char other = static_cast<char>(random());
+      if (k == 0 && '0' <= other && other <= '9') other = '/';
+      text += other;
+    }
+    const char *const begin = text.data(), *const end = begin + text.size();
+    std::uint64_t number = 7;
+    EXPECT_EQ(read_digits(begin, end, number) - begin, static_cast<std::ptrdiff_t>(count)) << text;
+    EXPECT_EQ(number, expected) << text;
+    if (rest == 0) continue;
+    number = 7;
+    EXPECT_EQ(read_digits(begin, FarEnd{end}, number) - begin, static_cast<std::ptrdiff_t>(count)) << text;
+    EXPECT_EQ(number, expected) << text;
+  }
+}
+
 TEST(Numbers, WholeOnesSaturate) {
   const auto whole = [](const std::string& text) {
     return parse_whole(text.data(), text.data() + text.size());

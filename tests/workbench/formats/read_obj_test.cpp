@@ -3,6 +3,7 @@
 #include <limits>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <kerf/error.hpp>
 
@@ -34,6 +35,28 @@ TEST(ReadObj, LinesEndInAnyWay) {
     EXPECT_EQ(read(text.substr(0, text.size() - end.size())), unit);
   }
   EXPECT_EQ(read("v 0 0 0\r\nv 1 0 0\nv 0 1 0\rf 1 2 3"), unit);
+}
+
+// Where a line ends the file, it is read without looking for its end.
+TEST(ReadObj, AFileThatEndsAnywhereIsReadAsIfALineEndedThere) {
+  const std::string text =
+      "v 0 0 0\nv 1.25 -0.5 +3e2 \nvn 0 0 1\nv 0 1 0.123456789012\n\nf 1 2 3\nf 1/4/5 2//6 3\nf -3 -2 -1 1 "
+      "\n  ";
+  const auto outcome = [](const std::string& part) {
+    try {
+      std::string told;
+      for (const Triangle& triangle : read(part))
+        for (const Vec3f& p : triangle) told += fmt::format("{} {} {}, ", p.x, p.y, p.z);
+      return told;
+    } catch (const Error& error) {
+      const std::string sentence = error.what();
+      return sentence.substr(sentence.find("a.obj"));  // the folder differs
+    }
+  };
+  for (std::size_t size = 1; size <= text.size(); ++size) {
+    const std::string part = text.substr(0, size);
+    EXPECT_EQ(outcome(part), outcome(part + "\n")) << part;
+  }
 }
 
 TEST(ReadObj, AByteOrderMarkHasNoContent) {
