@@ -16,6 +16,7 @@
 #include "output.hpp"
 #include "run_json.hpp"
 #include "workbench/bench/bench.hpp"
+#include "workbench/bench/motion_report.hpp"
 #include "workbench/bench/peer_isa.hpp"
 #include "workbench/bench/peers/embree.hpp"
 #include "workbench/bench/peers/kerf_engine.hpp"
@@ -38,6 +39,7 @@ struct BenchArguments {
   std::string rays = "made";
   std::string quality = "fast";
   std::string peer_isa = automatic;
+  std::string motion;  // in percent; empty for meshes at rest
   std::string json;
   std::string format;
   bool limits = false;
@@ -92,13 +94,19 @@ void bench(const BenchArguments& arguments) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   const kerf::Quality quality = parse_quality("--quality", arguments.quality);
   if (!arguments.json.empty()) require_writable(arguments.json);
-  // The limits are those of one hierarchy.
-  const Repeats repeats = arguments.limits ? Repeats::flattened : Repeats::kept;
+  const bool moves = !arguments.motion.empty();
+  const Motion motion{.amount = moves ? 0.01 * parse_number("--motion", arguments.motion, 0.0, 100.0) : 0.0};
+  if (moves && (arguments.limits || arguments.rays == "both"))
+    throw kerf::Error(kerf::Error::invalid_argument,
+                      fmt::format("--motion goes without {}", arguments.limits ? "--limits" : "--rays both"));
+  // The limits are those of one hierarchy, and one mesh bends.
+  const Repeats repeats = arguments.limits || moves ? Repeats::flattened : Repeats::kept;
   const std::vector<Scene> scenes = load_scenes(arguments.scenes, arguments.format, repeats);
   const std::vector<std::string> isas = peer_isas(arguments);
 
   std::string versions;
   std::vector<BenchScene> figures;
+  std::vector<MotionScene> moving;
   {
     ProgressBar bar;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
@@ -110,18 +118,21 @@ void bench(const BenchArguments& arguments) {
       options.progress = [&](double fraction, std::string_view what) {
         bar.show((static_cast<double>(i) + fraction) / static_cast<double>(scenes.size()), what);
       };
-      figures.push_back(name_errors(scenes[i], [&] {
+      name_errors(scenes[i], [&] {
         const std::vector<Engine> engines = make_engines(scenes[i], isas, options);
         versions = join_versions(engines);
-        return bench_scene(scenes[i], engines, options);
-      }));
+        if (moves)
+          moving.push_back(bench_motion(scenes[i], engines, options, motion));
+        else
+          figures.push_back(bench_scene(scenes[i], engines, options));
+      });
     }
   }
   const BenchRun run{
       .version = KERF_VERSION, .threads = threads, .target = std::string(kerf::instruction_set())};
   const Machine machine = this_machine();
   if (!arguments.json.empty()) {
-    nlohmann::ordered_json json = to_json(figures, run);
+    nlohmann::ordered_json json = moves ? to_json(moving, run) : to_json(figures, run);
     json.update(run_json(machine, threads));
     write_output(arguments.json, dump_json(json));
   }
@@ -129,8 +140,9 @@ void bench(const BenchArguments& arguments) {
   const std::string heading = fmt::format("{}, {} of {} threads of {}, {}", versions, threads,
                                           machine.threads, machine.processor, machine.system);
   const std::size_t columns = columns_of(stdout);
-  write_output(standard_output,
-               fold_text(heading, columns) + "\n" + format_bench(figures, output_emphasis(), columns));
+  const std::string tables = moves ? format_motion(moving, output_emphasis(), columns)
+                                   : format_bench(figures, output_emphasis(), columns);
+  write_output(standard_output, fold_text(heading, columns) + "\n" + tables);
 }
 
 }  // namespace
@@ -160,6 +172,12 @@ void add_bench_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--limits", arguments->limits,
                     "Measure the time of a step at best, and the fraction of that speed that kerf reaches");
+  command
+      ->add_option(
+          "--motion", arguments->motion,
+          "Bend each mesh by up to so many percent of its extent, frame after frame: the time of a frame, "
+          "by a refit and by a new build, and rays after it")
+      ->type_name("PERCENT");
   command->add_option("--json", arguments->json, "Write the figures to this file; - is standard output")
       ->check(names_a_file())
       ->type_name("FILE");

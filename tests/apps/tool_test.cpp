@@ -115,6 +115,7 @@ TEST(Tool, BadUsageIsStatusTwoAndOneLine) {
                                       "sweep sticks --builders sbvh",
                                       "compare --no-such-option sticks",
                                       "bench sticks --rays ready",
+                                      "bench sticks --motion 101",
                                       "bench sticks --peer-isa mmx",
                                       "compare sticks:nonsense=1",
                                       "compare sticks:detail=x",

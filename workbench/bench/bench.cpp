@@ -13,6 +13,7 @@
 #include <tbb/global_control.h>
 
 #include "workbench/rays/slice_timer.hpp"
+#include "workbench/scene/bend.hpp"
 #include "workbench/scene/placed.hpp"
 #include "workbench/scene/traced.hpp"
 
@@ -223,6 +224,64 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   figures.sah = kerf::surface_area_cost(tree);
   figures.references = tree.references().size();
   add_remarks(figures, pixels, options.rays);
+  return figures;
+}
+
+MotionScene bench_motion(const Scene& scene, std::span<const Engine> engines, const BenchOptions& options,
+                         const Motion& motion) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, options.threads);
+  const Progress progress(options, scene.name);
+  Scene bent = scene;
+  // One more vertex at the end, as in `bench_scene`. Engines keep to these arrays.
+  bent.vertices.emplace_back();
+  const kerf::TriangleMesh mesh{
+      .vertices = {bent.vertices.data(), scene.vertices.size(), sizeof(kerf::Vec3f)},
+      .triangles = bent.triangles};
+  MotionScene figures{
+      .name = scene.name, .triangles = scene.triangle_count(), .amount = motion.amount, .results = {}};
+  std::vector<Mover> movers;
+  for (const Engine& engine : engines) {
+    if (!engine.movers) continue;
+    for (Mover& mover : engine.movers(mesh)) {
+      figures.results.push_back({.engine = mover.engine,
+                                 .motion = mover.motion,
+                                 .isa = engine.isa,
+                                 .frame_ms = std::numeric_limits<double>::infinity(),
+                                 .rays = {}});
+      movers.push_back(std::move(mover));
+    }
+  }
+  constexpr unsigned warm_up = 2;  // the first refit also finds the parts of triangles that were split
+  constexpr double step = 0.7;     // of the wave, from frame to frame
+  for (unsigned frame = 0; frame < motion.frames + warm_up; ++frame) {
+    progress.show(0.5 * frame / (motion.frames + warm_up), "moving");
+    bend(scene.vertices, motion.amount, step * frame, std::span(bent.vertices).first(scene.vertices.size()));
+    for (std::size_t i = 0; i < movers.size(); ++i) {
+      const double ms = 1e3 * seconds(movers[i].next_frame);
+      if (frame >= warm_up) figures.results[i].frame_ms = std::min(figures.results[i].frame_ms, ms);
+    }
+  }
+
+  std::vector<Way> all_ways;
+  for (const Mover& mover : movers) all_ways.push_back({mover.tracer(), options.rays_made.front()});
+  const kerf::Bvh bvh = kerf::build(mesh, {.quality = options.quality, .threads = options.threads});
+  bent.vertices.pop_back();
+  const RaySetOptions pixels = affordable(bent, bvh, options.rays);
+  double fraction = 0.5;
+  for (const RayType type : ray_types) {
+    progress.show(fraction, "tracing " + std::string(name(type)));
+    fraction += 0.5 / std::size(ray_types);
+    const std::vector<BenchRays> rays = trace_all(all_ways, make_rays(bent, bvh, type, pixels), options);
+    for (std::size_t i = 0; i < rays.size(); ++i) figures.results[i].rays.push_back(rays[i]);
+  }
+  BenchScene hits{.name = scene.name, .results = {}};
+  for (const MotionResult& result : figures.results) {
+    BenchResult& counted = hits.results.emplace_back();
+    counted.engine = result.engine;
+    counted.rays = result.rays;
+  }
+  add_remarks(hits, pixels, options.rays);
+  figures.remarks = std::move(hits.remarks);
   return figures;
 }
 

@@ -73,6 +73,29 @@ struct BenchOptions {
   std::function<void(double fraction, std::string_view what)> progress;
 };
 
+/// How vertices move while `bench_motion` measures.
+struct Motion {
+  double amount = 0.03;  ///< a part of the extent of the mesh
+  unsigned frames = 8;   ///< the best one counts; two before them warm up
+};
+
+/// One way in which an engine follows vertices that move.
+struct MotionResult {
+  std::string engine;
+  std::string motion;  ///< "refit" or "rebuild"
+  std::string isa;
+  double frame_ms = 0.0;
+  std::vector<BenchRays> rays;  ///< single ones through the last frame, in the order of `ray_types`
+};
+
+struct MotionScene {
+  std::string name;
+  std::size_t triangles = 0;
+  double amount = 0.0;  ///< of `Motion`
+  std::vector<MotionResult> results;
+  std::vector<std::string> remarks = {};
+};
+
 /// Sentences on peers whose hits differ from kerf's by more than leaks at edges explain: they did not trace
 /// the same, and their speed is none to compare with.
 std::vector<std::string> remarks_on(const BenchScene& scene);
@@ -80,5 +103,10 @@ std::vector<std::string> remarks_on(const BenchScene& scene);
 /// Builds and traces `scene` with all `engines`, meshes at places with those that can. Rounds of the engines
 /// are interleaved, so that what slows the machine for a while slows all of them.
 BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, const BenchOptions& options);
+
+/// The mesh of `scene` bends, frame after frame (see `bend`), and each engine follows in all of its ways: how
+/// long a frame takes, and how fast rays are after the last one. Interleaved as `bench_scene`.
+MotionScene bench_motion(const Scene& scene, std::span<const Engine> engines, const BenchOptions& options,
+                         const Motion& motion);
 
 }  // namespace workbench

@@ -79,6 +79,7 @@ struct Device {
 struct Quality {
   RTCBuildQuality build;
   RTCSceneFlags flags;
+  RTCBuildQuality geometry = RTC_BUILD_QUALITY_MEDIUM;  ///< in dynamic scenes: of each mesh's own structure
 };
 
 struct Scene {
@@ -89,6 +90,7 @@ struct Scene {
   Scene(std::shared_ptr<Device> on, const kerf::TriangleMesh& mesh, Quality quality)
       : Scene(std::move(on), quality) {
     RTCGeometry geometry = rtcNewGeometry(device->handle, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetGeometryBuildQuality(geometry, quality.geometry);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.vertices.data(),
                                0, mesh.vertices.stride(), mesh.vertices.size());
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
@@ -116,6 +118,14 @@ struct Scene {
   ~Scene() { rtcReleaseScene(handle); }
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
+
+  /// The vertices of its one mesh have moved.
+  void move() {
+    RTCGeometry geometry = rtcGetGeometry(handle, 0);
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry);
+    commit();
+  }
 
  private:
   Scene(std::shared_ptr<Device> on, Quality quality)
@@ -389,6 +399,32 @@ Engine embree_engine(std::string name, unsigned threads, const std::string& isa,
           .build_placed = build};
 }
 
+// Its manual's way for a mesh that changes in every frame: a dynamic scene of low quality, whose geometry is
+// refitted; or a new build, of low quality or of the next better one.
+std::vector<Mover> embree_movers(unsigned threads, const std::string& isa, const kerf::TriangleMesh& mesh) {
+  struct Way {
+    const char* engine;
+    const char* motion;
+    Quality quality;
+  };
+  const auto dynamic = [](RTCBuildQuality geometry) {
+    return Quality{RTC_BUILD_QUALITY_LOW, RTC_SCENE_FLAG_DYNAMIC, geometry};
+  };
+  const Way ways[] = {{"embree", "refit", dynamic(RTC_BUILD_QUALITY_REFIT)},
+                      {"embree-low", "rebuild", dynamic(RTC_BUILD_QUALITY_LOW)},
+                      {"embree-medium", "rebuild", dynamic(RTC_BUILD_QUALITY_MEDIUM)}};
+  std::vector<Mover> movers;
+  for (const Way& way : ways) {
+    const auto device = std::make_shared<Device>(threads, isa);
+    const auto scene = std::make_shared<Scene>(device, mesh, way.quality);
+    movers.push_back({.engine = way.engine,
+                      .motion = way.motion,
+                      .next_frame = [scene] { scene->move(); },
+                      .tracer = [=] { return trace_single(scene, way.engine, threads); }});
+  }
+  return movers;
+}
+
 }  // namespace
 
 std::vector<std::string> embree_isas() {
@@ -403,9 +439,14 @@ std::vector<Engine> embree_engines(unsigned threads, const std::string& isa) {
   const Quality high{RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE};
   const Quality robust{RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_ROBUST};
   const Quality medium{RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_NONE};
-  return {embree_engine("embree-high", threads, isa, high, true),
-          embree_engine("embree-high-robust", threads, isa, robust, false),
-          embree_engine("embree-medium", threads, isa, medium, false)};
+  std::vector<Engine> engines{embree_engine("embree-high", threads, isa, high, true),
+                              embree_engine("embree-high-robust", threads, isa, robust, false),
+                              embree_engine("embree-medium", threads, isa, medium, false)};
+  // Once for all of them: what they differ in is the build.
+  engines.front().movers = [threads, isa](const kerf::TriangleMesh& mesh) {
+    return embree_movers(threads, isa, mesh);
+  };
+  return engines;
 }
 
 }  // namespace workbench

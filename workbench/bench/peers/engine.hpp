@@ -37,6 +37,14 @@ struct Traceable {
   std::vector<Tracer> tracers;
 };
 
+/// A structure that follows vertices which move in the arrays it was made of.
+struct Mover {
+  std::string engine;
+  std::string motion;                ///< "refit" or "rebuild"
+  std::function<void()> next_frame;  ///< takes in where the vertices are now; this call is timed
+  std::function<Tracer()> tracer;    ///< of the frame that was taken in last, ray by ray
+};
+
 struct Engine {
   std::string name;
   std::string version;
@@ -48,6 +56,10 @@ struct Engine {
 
   /// The same of meshes at places, each of which has one structure however often it stands somewhere.
   std::function<Traceable(const PlacedMeshes&)> build_placed = {};
+
+  /// The ways in which it follows a mesh, whose arrays outlive them. It may read 16 bytes from the start of
+  /// the last vertex.
+  std::function<std::vector<Mover>(const kerf::TriangleMesh&)> movers = {};
 };
 
 }  // namespace workbench

@@ -1,6 +1,7 @@
 #include "workbench/bench/peers/kerf_engine.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -91,6 +92,20 @@ std::vector<Tracer> tracers(const Traced& traced, unsigned threads) {
   return {std::move(single), std::move(batch)};
 }
 
+Mover mover(const kerf::TriangleMesh& mesh, const kerf::BuildOptions& options, bool refits) {
+  const auto bvh = std::make_shared<kerf::Bvh>(kerf::build(mesh, options));
+  const auto next_frame = [bvh, mesh, options, refits] {
+    if (refits)
+      kerf::refit(*bvh, mesh, options);
+    else
+      *bvh = kerf::build(mesh, options);
+  };
+  return {.engine = "kerf",
+          .motion = refits ? "refit" : "rebuild",
+          .next_frame = next_frame,
+          .tracer = [bvh, threads = options.threads] { return tracers(*bvh, threads).front(); }};
+}
+
 }  // namespace
 
 Engine kerf_engine(const kerf::BuildOptions& options, std::string version) {
@@ -117,7 +132,10 @@ Engine kerf_engine(const kerf::BuildOptions& options, std::string version) {
           .version = "kerf " + version,
           .isa = std::string(kerf::instruction_set()),
           .build = build,
-          .build_placed = build_placed};
+          .build_placed = build_placed,
+          .movers = [options](const kerf::TriangleMesh& mesh) {
+            return std::vector<Mover>{mover(mesh, options, true), mover(mesh, options, false)};
+          }};
 }
 
 }  // namespace workbench
