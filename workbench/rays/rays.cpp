@@ -21,8 +21,8 @@ using namespace kerf;
 
 constexpr std::size_t tile_size = 8;
 
-/// Pixels of a viewpoint's picture that is made smaller, on each side. One pixel alone would see the middle
-/// of the scene and nothing else.
+/// Pixels of a picture that several hierarchies share, on each side. One pixel alone would see the middle of
+/// the scene and nothing else.
 constexpr std::size_t min_side = 2;
 
 /// Length of an ambient-occlusion ray, in diagonals of the scene.
@@ -173,11 +173,14 @@ RaySetOptions affordable(const Scene& scene, const Bvh& bvh, const RaySetOptions
   if (wanted <= static_cast<double>(max_visits)) return options;
   const double share = static_cast<double>(max_visits) / static_cast<double>(hierarchies);
   const double scale = std::sqrt(share / wanted);
+  // One tile is left of each picture, which the hierarchies share as well.
+  const auto least =
+      std::max(min_side, static_cast<std::size_t>(tile_size / std::sqrt(static_cast<double>(hierarchies))));
   const auto shrink = [&](std::size_t side) {
     const auto pixels = static_cast<std::size_t>(scale * static_cast<double>(side));
     // Whole tiles, or a part of one.
     const std::size_t rounded = pixels < tile_size ? pixels : pixels - pixels % tile_size;
-    return std::min(side, std::max(rounded, min_side));
+    return std::min(side, std::max(rounded, least));
   };
   return {.width = shrink(options.width), .height = shrink(options.height)};
 }
