@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -39,7 +40,7 @@ struct BenchArguments {
   std::string rays = "made";
   std::string quality = "fast";
   std::string peer_isa = automatic;
-  std::string motion;  // in percent; empty for meshes at rest
+  std::optional<std::string> motion;  // in percent; none for meshes at rest
   std::string json;
   std::string format;
   bool limits = false;
@@ -94,8 +95,8 @@ void bench(const BenchArguments& arguments) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   const kerf::Quality quality = parse_quality("--quality", arguments.quality);
   if (!arguments.json.empty()) require_writable(arguments.json);
-  const bool moves = !arguments.motion.empty();
-  const Motion motion{.amount = moves ? 0.01 * parse_number("--motion", arguments.motion, 0.0, 100.0) : 0.0};
+  const bool moves = arguments.motion.has_value();
+  const Motion motion{.amount = moves ? 0.01 * parse_number("--motion", *arguments.motion, 0.0, 100.0) : 0.0};
   if (moves && (arguments.limits || arguments.rays == "both"))
     throw kerf::Error(kerf::Error::invalid_argument,
                       fmt::format("--motion goes without {}", arguments.limits ? "--limits" : "--rays both"));

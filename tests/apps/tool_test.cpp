@@ -116,6 +116,7 @@ TEST(Tool, BadUsageIsStatusTwoAndOneLine) {
                                       "compare --no-such-option sticks",
                                       "bench sticks --rays ready",
                                       "bench sticks --motion 101",
+                                      "bench sticks --motion ''",
                                       "bench sticks --peer-isa mmx",
                                       "compare sticks:nonsense=1",
                                       "compare sticks:detail=x",

@@ -138,8 +138,56 @@ std::vector<BenchRays> trace_all(std::span<const Way> ways, const RaySet& set, c
   return figures;
 }
 
-void add_remarks(BenchScene& figures, const RaySetOptions& given, const RaySetOptions& asked) {
-  figures.remarks = remarks_on(figures);
+// Traces the rays of each type, `make_set(type)`, in all ways, and adds what that gives to the results of
+// these ways. `visit_set` sees each set last.
+template <class Result, class MakeSet, class VisitSet>
+void trace_types(std::span<const Way> ways, const BenchOptions& options, const Progress& progress,
+                 std::vector<Result>& results, const MakeSet& make_set, const VisitSet& visit_set) {
+  double fraction = 0.5;
+  for (const RayType type : ray_types) {
+    progress.show(fraction, "tracing " + std::string(name(type)));
+    fraction += 0.5 / std::size(ray_types);
+    const RaySet set = make_set(type);
+    const std::vector<BenchRays> rays = trace_all(ways, set, options);
+    for (std::size_t i = 0; i < rays.size(); ++i) results[i].rays.push_back(rays[i]);
+    visit_set(set);
+  }
+}
+void ignore(const RaySet&) {}
+
+// See `remarks_on`. The first result is kerf's.
+template <class Result>
+std::vector<std::string> remarks_on_peers(const std::vector<Result>& results) {
+  // Rays that leak between triangles are some per million. Where surfaces touch, that one or another of them
+  // is hit changes no count.
+  constexpr double leaks = 0.005;
+  constexpr double a_few = 16.0;
+  std::vector<std::string> remarks;
+  if (results.empty() || results.front().engine != "kerf") return remarks;
+  const Result& kerf = results.front();
+  for (const Result& peer : results) {
+    if (peer.engine == "kerf") continue;
+    for (std::size_t i = 0; i < std::min(peer.rays.size(), kerf.rays.size()); ++i) {
+      const double ours = static_cast<double>(kerf.rays[i].hits),
+                   theirs = static_cast<double>(peer.rays[i].hits);
+      if (std::abs(ours - theirs) <= std::max(leaks * std::max(ours, theirs), a_few)) continue;
+      remarks.push_back(fmt::format(
+          "{} hits {} of the {} rays that kerf hits {} of, {}. It did not do the same work, so its speed is "
+          "none "
+          "to compare with. Boxes without thickness, of flat meshes, and coordinates of 1e18 and more are "
+          "what "
+          "traversals without bounds on their rounding miss.",
+          peer.engine, peer.rays[i].hits, peer.rays[i].count, kerf.rays[i].hits, name(peer.rays[i].type)));
+      break;  // the first type says it
+    }
+  }
+  return remarks;
+}
+
+// Of a `BenchScene` or a `MotionScene`.
+template <class Figures>
+void add_remarks(Figures& figures, const RaySetOptions& given, const RaySetOptions& asked) {
+  figures.remarks = remarks_on_peers(figures.results);
   if (given == asked) return;
   figures.remarks.push_back(fmt::format(
       "Each viewpoint has {}x{} pixels, not {}x{}: so much lies over one another that a ray visits "
@@ -190,24 +238,15 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   }
 
   const kerf::BuildOptions build_options{.quality = options.quality, .threads = options.threads};
-  const auto trace = [&](const auto& make_set, const auto& visit_set) {
-    double fraction = 0.5;
-    for (const RayType type : ray_types) {
-      progress.show(fraction, "tracing " + std::string(name(type)));
-      fraction += 0.5 / std::size(ray_types);
-      const RaySet set = make_set(type);
-      const std::vector<BenchRays> rays = trace_all(all_ways, set, options);
-      for (std::size_t i = 0; i < rays.size(); ++i) figures.results[i].rays.push_back(rays[i]);
-      visit_set(set);
-    }
-  };
   if (scene.placed) {
     figures.instances = scene.placed->places.size();
     figures.meshes = scene.placed->meshes.size();
     const kerf::Scene places =
         build_scene(*scene.placed, build_objects(*scene.placed, build_options), build_options);
     const RaySetOptions pixels = affordable(scene, build_stand_in(*scene.placed), options.rays);
-    trace([&](RayType type) { return make_rays(Traced(scene, places), type, pixels); }, [](const RaySet&) {});
+    trace_types(
+        all_ways, options, progress, figures.results,
+        [&](RayType type) { return make_rays(Traced(scene, places), type, pixels); }, ignore);
     add_remarks(figures, pixels, options.rays);
     return figures;
   }
@@ -215,11 +254,13 @@ BenchScene bench_scene(const Scene& scene, std::span<const Engine> engines, cons
   const kerf::Bvh bvh = kerf::build(mesh, build_options);
   const RaySetOptions pixels = affordable(scene, bvh, options.rays);
   if (options.limits) figures.limits = {.times = measure_steps(), .counts = {}};
-  trace([&](RayType type) { return make_rays(scene, bvh, type, pixels); },
-        [&](const RaySet& set) {
-          if (figures.limits)
-            figures.limits->counts[static_cast<std::size_t>(set.type)] = count_steps(bvh, set);
-        });
+  trace_types(
+      all_ways, options, progress, figures.results,
+      [&](RayType type) { return make_rays(scene, bvh, type, pixels); },
+      [&](const RaySet& set) {
+        if (figures.limits)
+          figures.limits->counts[static_cast<std::size_t>(set.type)] = count_steps(bvh, set);
+      });
   const kerf::Tree tree = kerf::build_tree(mesh, build_options);
   figures.sah = kerf::surface_area_cost(tree);
   figures.references = tree.references().size();
@@ -237,8 +278,11 @@ MotionScene bench_motion(const Scene& scene, std::span<const Engine> engines, co
   const kerf::TriangleMesh mesh{
       .vertices = {bent.vertices.data(), scene.vertices.size(), sizeof(kerf::Vec3f)},
       .triangles = bent.triangles};
-  MotionScene figures{
-      .name = scene.name, .triangles = scene.triangle_count(), .amount = motion.amount, .results = {}};
+  MotionScene figures{.name = scene.name,
+                      .triangles = scene.triangle_count(),
+                      .amount = motion.amount,
+                      .rays_made = options.rays_made.front(),
+                      .results = {}};
   std::vector<Mover> movers;
   for (const Engine& engine : engines) {
     if (!engine.movers) continue;
@@ -263,53 +307,19 @@ MotionScene bench_motion(const Scene& scene, std::span<const Engine> engines, co
   }
 
   std::vector<Way> all_ways;
-  for (const Mover& mover : movers) all_ways.push_back({mover.tracer(), options.rays_made.front()});
+  for (const Mover& mover : movers) all_ways.push_back({mover.tracer(), figures.rays_made});
   const kerf::Bvh bvh = kerf::build(mesh, {.quality = options.quality, .threads = options.threads});
   bent.vertices.pop_back();
   const RaySetOptions pixels = affordable(bent, bvh, options.rays);
-  double fraction = 0.5;
-  for (const RayType type : ray_types) {
-    progress.show(fraction, "tracing " + std::string(name(type)));
-    fraction += 0.5 / std::size(ray_types);
-    const std::vector<BenchRays> rays = trace_all(all_ways, make_rays(bent, bvh, type, pixels), options);
-    for (std::size_t i = 0; i < rays.size(); ++i) figures.results[i].rays.push_back(rays[i]);
-  }
-  BenchScene hits{.name = scene.name, .results = {}};
-  for (const MotionResult& result : figures.results) {
-    BenchResult& counted = hits.results.emplace_back();
-    counted.engine = result.engine;
-    counted.rays = result.rays;
-  }
-  add_remarks(hits, pixels, options.rays);
-  figures.remarks = std::move(hits.remarks);
+  trace_types(
+      all_ways, options, progress, figures.results,
+      [&](RayType type) { return make_rays(bent, bvh, type, pixels); }, ignore);
+  add_remarks(figures, pixels, options.rays);
   return figures;
 }
 
 std::vector<std::string> remarks_on(const BenchScene& scene) {
-  // Rays that leak between triangles are some per million. Where surfaces touch, that one or another of them
-  // is hit changes no count.
-  constexpr double leaks = 0.005;
-  constexpr double a_few = 16.0;
-  std::vector<std::string> remarks;
-  if (scene.results.empty() || scene.results.front().engine != "kerf") return remarks;
-  const BenchResult& kerf = scene.results.front();
-  for (const BenchResult& peer : scene.results) {
-    if (peer.engine == "kerf") continue;
-    for (std::size_t i = 0; i < std::min(peer.rays.size(), kerf.rays.size()); ++i) {
-      const double ours = static_cast<double>(kerf.rays[i].hits),
-                   theirs = static_cast<double>(peer.rays[i].hits);
-      if (std::abs(ours - theirs) <= std::max(leaks * std::max(ours, theirs), a_few)) continue;
-      remarks.push_back(fmt::format(
-          "{} hits {} of the {} rays that kerf hits {} of, {}. It did not do the same work, so its speed is "
-          "none "
-          "to compare with. Boxes without thickness, of flat meshes, and coordinates of 1e18 and more are "
-          "what "
-          "traversals without bounds on their rounding miss.",
-          peer.engine, peer.rays[i].hits, peer.rays[i].count, kerf.rays[i].hits, name(peer.rays[i].type)));
-      break;  // the first type says it
-    }
-  }
-  return remarks;
+  return remarks_on_peers(scene.results);
 }
 
 }  // namespace workbench

@@ -92,6 +92,7 @@ struct MotionScene {
   std::string name;
   std::size_t triangles = 0;
   double amount = 0.0;  ///< of `Motion`
+  RaysMade rays_made = RaysMade::made;
   std::vector<MotionResult> results;
   std::vector<std::string> remarks = {};
 };

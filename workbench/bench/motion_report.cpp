@@ -1,47 +1,25 @@
 #include "workbench/bench/motion_report.hpp"
 
-#include <algorithm>
-#include <functional>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "workbench/bench/report_parts.hpp"
+
 namespace workbench {
 namespace {
 
-// The best of `figure` is marked: the largest, or the smallest.
-Column column(const MotionScene& scene, std::string head, bool largest,
-              const std::function<double(const MotionResult&)>& figure) {
-  Column column{.head = std::move(head), .cells = {}};
-  std::vector<double> values;
-  for (const MotionResult& result : scene.results) {
-    values.push_back(figure(result));
-    column.cells.push_back({fmt::format("{:.2f}", values.back())});
-  }
-  if (values.size() > 1) {
-    const auto best = largest ? std::max_element(values.begin(), values.end())
-                              : std::min_element(values.begin(), values.end());
-    column.cells[static_cast<std::size_t>(best - values.begin())].best = true;
-  }
-  return column;
-}
-
 std::string format_scene(const MotionScene& scene, Emphasis emphasis, std::size_t max_width) {
-  Column engines{.head = "engine", .cells = {}, .left_aligned = true};
-  Column isas{.head = "isa", .cells = {}, .left_aligned = true};
-  Column motions{.head = "motion", .cells = {}, .left_aligned = true};
-  for (const MotionResult& result : scene.results) {
-    engines.cells.push_back({result.engine});
-    isas.cells.push_back({result.isa});
-    motions.cells.push_back({result.motion});
-  }
-  std::vector<Column> columns{engines, isas, motions,
-                              column(scene, "frame ms", false, [](const auto& r) { return r.frame_ms; })};
-  for (std::size_t i = 0; i < std::size(ray_types); ++i) {
-    columns.push_back(column(scene, fmt::format("{} Mrays/s", name(ray_types[i])), true,
-                             [i](const auto& r) { return r.rays[i].mrays_per_s; }));
-  }
+  const auto& results = scene.results;
+  std::vector<Column> columns{
+      names(results, "engine", [](const MotionResult& r) { return r.engine; }),
+      names(results, "isa", [](const MotionResult& r) { return r.isa; }),
+      names(results, "rays", [&](const MotionResult&) { return name(scene.rays_made); }),
+      names(results, "motion", [](const MotionResult& r) { return r.motion; }),
+      figures(results, "frame ms", "{:.2f}", false, [](const MotionResult& r) { return r.frame_ms; }),
+  };
+  for (const RayType type : ray_types) columns.push_back(speeds(results, type));
   std::string text = fold_text(fmt::format("{}: {} triangles, bent by up to {:g} % of the extent", scene.name,
                                            scene.triangles, 100.0 * scene.amount),
                                max_width) +
@@ -63,16 +41,13 @@ nlohmann::ordered_json to_json(std::span<const MotionScene> scenes, const BenchR
   for (const MotionScene& scene : scenes) {
     auto results = nlohmann::ordered_json::array();
     for (const MotionResult& result : scene.results) {
-      nlohmann::ordered_json rays;
-      for (const BenchRays& r : result.rays)
-        rays[std::string(name(r.type))] = {
-            {"count", r.count}, {"hits", r.hits}, {"mrays_per_s", r.mrays_per_s}};
       results.push_back({{"engine", result.engine},
                          {"mode", "single"},
                          {"isa", result.isa},
+                         {"rays_made", name(scene.rays_made)},
                          {"motion", result.motion},
                          {"frame_ms", result.frame_ms},
-                         {"rays", std::move(rays)}});
+                         {"rays", rays_json(result.rays)}});
     }
     list.push_back({{"name", scene.name},
                     {"triangles", scene.triangles},
@@ -80,8 +55,7 @@ nlohmann::ordered_json to_json(std::span<const MotionScene> scenes, const BenchR
                     {"results", std::move(results)}});
     if (!scene.remarks.empty()) list.back()["remarks"] = scene.remarks;
   }
-  return {
-      {"kerf", run.version}, {"threads", run.threads}, {"target", run.target}, {"scenes", std::move(list)}};
+  return scenes_json(run, std::move(list));
 }
 
 }  // namespace workbench

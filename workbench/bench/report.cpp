@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "workbench/bench/report_parts.hpp"
 #include "workbench/terminal/table.hpp"
 
 namespace workbench {
@@ -96,61 +97,28 @@ Ratios ratios(std::span<const BenchScene> scenes, const BenchResult& kerf, const
   return ratios;
 }
 
-// In place of a figure that there is none of.
-constexpr const char* none = "-";
-
-// Marks the cell with the best value: the largest, or the smallest.
-void mark_best(Column& column, const std::vector<std::optional<double>>& values, bool largest) {
-  if (values.size() < 2) return;
-  std::optional<std::size_t> best;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!values[i]) continue;
-    if (!best || (largest ? *values[i] > *values[*best] : *values[i] < *values[*best])) best = i;
-  }
-  if (best) column.cells[*best].best = true;
-}
-
-Column figures(const BenchScene& scene, std::string head, const char* format, bool largest,
-               const std::function<std::optional<double>(const BenchResult&)>& figure) {
-  Column column{.head = std::move(head), .cells = {}};
-  std::vector<std::optional<double>> values;
-  for (const BenchResult& result : scene.results) {
-    const std::optional<double> value = values.emplace_back(figure(result));
-    column.cells.push_back({value ? fmt::format(fmt::runtime(format), *value) : none});
-  }
-  mark_best(column, values, largest);
-  return column;
-}
-
 std::string format_factor(const char* format, double factor) {
-  return factor == 0.0 ? none : fmt::format(fmt::runtime(format), factor);
+  return factor == 0.0 ? no_figure : fmt::format(fmt::runtime(format), factor);
 }
 
 std::string format_scene(const BenchScene& scene, Emphasis emphasis, std::size_t max_width) {
   const auto triangles = static_cast<double>(scene.triangles);
-  Column engines{.head = "engine", .cells = {}, .left_aligned = true};
-  for (const BenchResult& result : scene.results) engines.cells.push_back({label(result)});
-  Column isas{.head = "isa", .cells = {}, .left_aligned = true};
-  Column rays{.head = "rays", .cells = {}, .left_aligned = true};
-  for (const BenchResult& result : scene.results) {
-    isas.cells.push_back({result.isa});
-    rays.cells.push_back({std::string(name(result.rays_made))});
-  }
+  const auto& results = scene.results;
   std::vector<Column> columns{
-      engines,
-      isas,
-      rays,
-      figures(scene, "build ms", "{:.1f}", false, [](const BenchResult& r) { return r.build_ms; }),
-      figures(scene, "bytes/tri", "{:.1f}", false,
+      names(results, "engine", label),
+      names(results, "isa", [](const BenchResult& r) { return r.isa; }),
+      names(results, "rays", [](const BenchResult& r) { return name(r.rays_made); }),
+      figures(results, "build ms", "{:.1f}", false, [](const BenchResult& r) { return r.build_ms; }),
+      figures(results, "bytes/tri", "{:.1f}", false,
               [=](const BenchResult& r) { return static_cast<double>(r.bytes) / triangles; }),
-      figures(scene, "peak/tri", "{:.1f}", false,
+      figures(results, "peak/tri", "{:.1f}", false,
               [=](const BenchResult& r) { return static_cast<double>(r.build_peak_bytes) / triangles; }),
   };
-  for (std::size_t i = 0; i < std::size(ray_types); ++i) {
-    columns.push_back(figures(scene, fmt::format("{} Mrays/s", name(ray_types[i])), "{:.2f}", true,
-                              [i](const BenchResult& r) { return r.rays[i].speed(); }));
-    columns.push_back(figures(scene, "hits", "{:.0f}", true,
-                              [i](const BenchResult& r) { return static_cast<double>(r.rays[i].hits); }));
+  for (const RayType type : ray_types) {
+    columns.push_back(speeds(results, type));
+    columns.push_back(figures(results, "hits", "{:.0f}", true, [type](const BenchResult& r) {
+      return static_cast<double>(r.rays[static_cast<std::size_t>(type)].hits);
+    }));
     for (Cell& cell : columns.back().cells) cell.best = false;
   }
   const std::string facts = scene.instances != 0 ? fmt::format("{} instances of {} meshes, {} triangles",
@@ -184,8 +152,8 @@ std::string format_limits(const BenchScene& scene, std::size_t max_width) {
     for (std::size_t i = 0; i < result.rays.size(); ++i) {
       const std::optional<double> speed = result.rays[i].speed();
       if (!speed) {
-        took.cells.push_back({none});
-        reached.cells.push_back({none});
+        took.cells.push_back({no_figure});
+        reached.cells.push_back({no_figure});
         continue;
       }
       took.cells.push_back({fmt::format("{:.1f}", 1e3 / *speed)});
@@ -236,17 +204,18 @@ std::string format_ratios(std::span<const BenchScene> scenes, std::size_t max_wi
                               {.head = "bytes", .cells = {}},
                               {.head = "peak", .cells = {}}};
   for (const Ratios& r : list) {
-    const std::string cells[] = {r.mode,
-                                 std::string(name(r.rays_made)),
-                                 r.peer,
-                                 format_factor("{:.2f}x", r.mean),
-                                 format_factor("{:.2f}x", r.primary_mean),
-                                 format_factor("{:.2f}x", r.min),
-                                 r.min == 0.0 ? none : fmt::format("{}, {}", r.min_scene, name(r.min_type)),
-                                 format_factor("{:.2f}x", r.build_mean),
-                                 format_factor("{:.2f}x", r.build_min),
-                                 format_factor("{:.2f}", r.bytes_max),
-                                 format_factor("{:.2f}", r.peak_bytes_max)};
+    const std::string cells[] = {
+        r.mode,
+        std::string(name(r.rays_made)),
+        r.peer,
+        format_factor("{:.2f}x", r.mean),
+        format_factor("{:.2f}x", r.primary_mean),
+        format_factor("{:.2f}x", r.min),
+        r.min == 0.0 ? no_figure : fmt::format("{}, {}", r.min_scene, name(r.min_type)),
+        format_factor("{:.2f}x", r.build_mean),
+        format_factor("{:.2f}x", r.build_min),
+        format_factor("{:.2f}", r.bytes_max),
+        format_factor("{:.2f}", r.peak_bytes_max)};
     for (std::size_t c = 0; c < columns.size(); ++c) columns[c].cells.push_back({cells[c]});
   }
   return fold_text(
@@ -283,12 +252,6 @@ nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRu
   for (const BenchScene& scene : scenes) {
     auto results = nlohmann::ordered_json::array();
     for (const BenchResult& result : scene.results) {
-      nlohmann::ordered_json rays;
-      for (const BenchRays& r : result.rays) {
-        auto& entry = rays[std::string(name(r.type))] = {{"count", r.count}, {"hits", r.hits}};
-        const std::optional<double> speed = r.speed();
-        entry["mrays_per_s"] = speed ? nlohmann::ordered_json(*speed) : nlohmann::ordered_json();
-      }
       nlohmann::ordered_json entry{{"engine", result.engine},
                                    {"mode", result.mode},
                                    {"isa", result.isa},
@@ -300,7 +263,7 @@ nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRu
         entry["sah"] = scene.sah;
         entry["references"] = scene.references;
       }
-      entry["rays"] = std::move(rays);
+      entry["rays"] = rays_json(result.rays);
       results.push_back(std::move(entry));
     }
     nlohmann::ordered_json one{{"name", scene.name}, {"triangles", scene.triangles}};
@@ -313,8 +276,7 @@ nlohmann::ordered_json to_json(std::span<const BenchScene> scenes, const BenchRu
     if (!scene.remarks.empty()) list.back()["remarks"] = scene.remarks;
     if (scene.limits) list.back()["limits"] = limits_json(scene);
   }
-  return {
-      {"kerf", run.version}, {"threads", run.threads}, {"target", run.target}, {"scenes", std::move(list)}};
+  return scenes_json(run, std::move(list));
 }
 
 }  // namespace workbench

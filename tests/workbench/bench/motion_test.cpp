@@ -105,6 +105,18 @@ TEST(Motion, IsTold) {
   EXPECT_EQ(json["scenes"][0]["results"][1]["motion"], "rebuild");
   EXPECT_EQ(json["scenes"][0]["results"][1]["frame_ms"], 9.5);
   EXPECT_EQ(json["scenes"][0]["results"][0]["rays"]["ao"]["hits"], 4);
+  EXPECT_EQ(json["scenes"][0]["results"][0]["rays_made"], "made");
+}
+
+TEST(Motion, OfRaysThatHitNothingHasNoSpeed) {
+  MotionScene scene{.name = "nothing", .triangles = 2, .amount = 0.03, .results = {}};
+  MotionResult& result = scene.results.emplace_back();
+  for (const RayType type : ray_types) result.rays.push_back({.type = type, .count = 5, .mrays_per_s = 7.0});
+  const std::string text = format_motion(std::span(&scene, 1), Emphasis::mark);
+  EXPECT_NE(text.find(" - "), std::string::npos) << text;
+  EXPECT_EQ(text.find("7.00"), std::string::npos) << text;
+  const nlohmann::ordered_json json = to_json(std::span(&scene, 1), {.version = "0.1.0", .target = "AVX2"});
+  EXPECT_TRUE(json["scenes"][0]["results"][0]["rays"]["primary"]["mrays_per_s"].is_null());
 }
 
 }  // namespace
