@@ -333,11 +333,7 @@ nb::object signed_distance(const DeviceHierarchy& hierarchy, nb::handle points, 
 
 nb::tuple bounds(const DeviceHierarchy& hierarchy) {
   const OnDevice on(hierarchy.device);
-  const Box3f box = unlocked([&] {
-    // A refit may still go on, on a stream that the default one does not wait for.
-    if (hierarchy.bvh.content() != nullptr) check(cudaDeviceSynchronize(), "waiting for a refit");
-    return hierarchy.bvh.bounds();
-  });
+  const Box3f box = unlocked([&] { return hierarchy.bvh.bounds(); });
   return nb::make_tuple(nb::make_tuple(box.lower.x, box.lower.y, box.lower.z),
                         nb::make_tuple(box.upper.x, box.upper.y, box.upper.z));
 }

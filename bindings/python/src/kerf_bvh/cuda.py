@@ -181,7 +181,7 @@ class DeviceArray:
 
 
 class _Records:
-    """Rows of numbers on a device, some of them floats, some integers."""
+    """Places on triangles: rows of numbers on a device, some of them floats, some integers."""
 
     __slots__ = ("rows",)
     _record: np.dtype[Any]
@@ -204,6 +204,26 @@ class _Records:
     def _fetch(self) -> npt.NDArray[Any]:
         return self.rows.get().view(self._record).reshape(-1)
 
+    @property
+    def u(self) -> DeviceArray:
+        """float32: weight of v1; 0 where there is none."""
+        return self._column("u")
+
+    @property
+    def v(self) -> DeviceArray:
+        """float32: weight of v2; 0 where there is none."""
+        return self._column("v")
+
+    @property
+    def primitive(self) -> DeviceArray:
+        """uint32: number of the triangle within its mesh; INVALID where there is none."""
+        return self._column("primitive")
+
+    @property
+    def mesh(self) -> DeviceArray:
+        """uint32: number of the mesh in the order given to the build; INVALID where there is none."""
+        return self._column("mesh")
+
 
 class Hits(_Records):
     """Where rays cross triangles, on the device: `kerf_bvh.Hits` says what the numbers are.
@@ -217,32 +237,12 @@ class Hits(_Records):
     @staticmethod
     def empty(count: int, device: int | None = None) -> Hits:
         """Memory for so many, with nothing in it yet, for `out=`."""
-        return Hits(_empty(count, 5, np.float32, device))
+        return Hits(_empty(count, 5, device))
 
     @property
     def t(self) -> DeviceArray:
         """float32: distance in lengths of the direction; infinity for a miss."""
         return self._column("t")
-
-    @property
-    def u(self) -> DeviceArray:
-        """float32: weight of v1; 0 for a miss."""
-        return self._column("u")
-
-    @property
-    def v(self) -> DeviceArray:
-        """float32: weight of v2; 0 for a miss."""
-        return self._column("v")
-
-    @property
-    def primitive(self) -> DeviceArray:
-        """uint32: number of the triangle within its mesh; INVALID for a miss."""
-        return self._column("primitive")
-
-    @property
-    def mesh(self) -> DeviceArray:
-        """uint32: number of the mesh in the order given to the build; INVALID for a miss."""
-        return self._column("mesh")
 
     def get(self) -> HostHits:
         """A copy on the host. Waits until they are written."""
@@ -261,7 +261,7 @@ class SurfacePoints(_Records):
     @staticmethod
     def empty(count: int, device: int | None = None) -> SurfacePoints:
         """Memory for so many, with nothing in it yet, for `out=`."""
-        return SurfacePoints(_empty(count, 8, np.float32, device))
+        return SurfacePoints(_empty(count, 8, device))
 
     @property
     def position(self) -> DeviceArray:
@@ -272,26 +272,6 @@ class SurfacePoints(_Records):
     def distance(self) -> DeviceArray:
         """float32: from the given point; infinity where there is none."""
         return self._column("distance")
-
-    @property
-    def u(self) -> DeviceArray:
-        """float32: weight of v1."""
-        return self._column("u")
-
-    @property
-    def v(self) -> DeviceArray:
-        """float32: weight of v2."""
-        return self._column("v")
-
-    @property
-    def primitive(self) -> DeviceArray:
-        """uint32: number of the triangle within its mesh; INVALID where there is none."""
-        return self._column("primitive")
-
-    @property
-    def mesh(self) -> DeviceArray:
-        """uint32: number of the mesh in the order given to the build; INVALID where there is none."""
-        return self._column("mesh")
 
     def get(self) -> HostSurfacePoints:
         """A copy on the host. Waits until they are written."""
@@ -676,8 +656,7 @@ def _array(
     return DeviceArray(memory, 0, (count, *columns), math.prod(columns) * np.dtype(dtype).itemsize, dtype, stream)
 
 
-def _empty(count: int, columns: int, dtype: npt.DTypeLike, device: int | None) -> DeviceArray:
+def _empty(count: int, columns: int, device: int | None) -> DeviceArray:
     if count < 0:
         raise ValueError(f"count: {count}, where a number from 0 is needed")
-    size = np.dtype(dtype).itemsize * columns
-    return DeviceArray(_kerf.cuda_allocate(count * size, device), 0, (count, columns), size, dtype)
+    return _array((_kerf.cuda_allocate(4 * count * columns, device), count), (columns,), np.float32, None)
