@@ -59,9 +59,9 @@ TEST(CudaTraversal, AnswersOfOddRaysAndPointsAreTheLibrarys) {
   for (const float scale : {1.0f, 1e-9f, 3e12f, 0x1p80f, 0x1p-100f, 0x1p100f, 0x1p121f}) {
     SCOPED_TRACE(scale);
     GridMeshes grid(scale);
-    std::vector<Ray> rays(1000);
+    std::vector<Ray> rays(3000);
     for (Ray& ray : rays) ray = grid.ray();
-    std::vector<Vec3f> points(200);
+    std::vector<Vec3f> points(500);
     for (Vec3f& point : points) {
       point = grid.point();
       if (grid.below(10) == 0) point.x *= 1e6f;
@@ -78,7 +78,7 @@ TEST(CudaTraversal, AnswersOfAClosedSurfaceAreTheLibrarys) {
   const auto uniform = [&](float low, float high) {
     return low + (high - low) * (static_cast<float>(random() >> 8) * 0x1p-24f);
   };
-  std::vector<Ray> rays(1000);
+  std::vector<Ray> rays(3000);
   std::vector<Vec3f> points(1000);
   for (Ray& ray : rays) {
     ray.origin = {uniform(-1.5f, 1.5f), uniform(-1.5f, 1.5f), uniform(-1.5f, 1.5f)};
