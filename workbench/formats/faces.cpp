@@ -12,7 +12,7 @@ std::vector<Faces::Triangle> Faces::take_triangles(std::span<const kerf::Vec3f> 
   crossing = 0;
   if (faces.polygons_.empty()) return std::move(faces.triangles_);
   std::vector<Triangle> all;
-  all.reserve(faces.triangles_.size() + faces.corners_.size() - 2 * faces.polygons_.size());
+  reserve_large(all, faces.triangles_.size() + faces.corners_.size() - 2 * faces.polygons_.size());
   Triangulator triangulator;
   std::size_t done = 0;  // of the triangles
   const auto copy_until = [&](std::size_t end) {

@@ -9,6 +9,8 @@
 
 #include <kerf/vec.hpp>
 
+#include "workbench/formats/large_vector.hpp"
+
 namespace workbench {
 
 class Faces {
@@ -19,8 +21,11 @@ class Faces {
   bool has_room_for(std::size_t triangles) const {
     return triangles_.capacity() - triangles_.size() >= triangles;
   }
-  void reserve(std::size_t triangles) { triangles_.reserve(triangles); }
+  void reserve(std::size_t triangles) { reserve_large(triangles_, triangles); }
   void add(const Triangle& triangle) { triangles_.push_back(triangle); }
+  void add(std::span<const Triangle> triangles) {
+    triangles_.insert(triangles_.end(), triangles.begin(), triangles.end());
+  }
 
   /// A face of any number of corners. One of fewer than three has no surface and is only counted.
   void add(std::span<const std::uint32_t> corners) {

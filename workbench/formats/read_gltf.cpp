@@ -17,6 +17,7 @@
 #include "workbench/formats/gltf/nodes.hpp"
 #include "workbench/formats/gltf/primitive.hpp"
 #include "workbench/formats/gltf/transform.hpp"
+#include "workbench/formats/large_vector.hpp"
 #include "workbench/formats/text.hpp"
 
 namespace workbench {
@@ -45,8 +46,8 @@ class GltfReader {
   ReadMesh read() {
     const std::vector<Draw> draws = read_draws();
     check_sizes(draws);
-    mesh_.triangles.reserve(triangles_);
-    mesh_.vertices.reserve(vertices_);
+    reserve_large(mesh_.triangles, triangles_);
+    reserve_large(mesh_.vertices, vertices_);
     for (const Draw& draw : draws) append(draw);
     tell(draws);
     return std::move(mesh_);

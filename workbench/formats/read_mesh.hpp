@@ -18,10 +18,16 @@ namespace workbench {
 struct ReadMesh {
   std::vector<kerf::Vec3f> vertices;
 
-  /// What rounding to floats took from each coordinate; empty where nothing was rounded.
+  /// What rounding to floats took from each coordinate; empty where nothing was rounded, or where
+  /// `remainders_of` tells it.
   std::vector<kerf::Vec3f> remainders;
 
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  /// The same of the named vertices, which ascend, by a reader that would rather read these again than keep
+  /// all: few are ever asked for.
+  std::function<std::vector<kerf::Vec3f>(std::span<const std::uint32_t> vertices)> remainders_of;
+
+  using Triangle = std::array<std::uint32_t, 3>;
+  std::vector<Triangle> triangles;
 
   /// What a vertex is called in errors, and what is wrong with one that is no point, if more is known of it
   /// than its number and its coordinates: "line 3: vertex 3 is not finite: nan".

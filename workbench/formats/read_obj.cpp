@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
-#include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +11,7 @@
 #include "workbench/base/parallel.hpp"
 #include "workbench/base/raise.hpp"
 #include "workbench/formats/faces.hpp"
+#include "workbench/formats/large_vector.hpp"
 #include "workbench/formats/numbers.hpp"
 #include "workbench/formats/text.hpp"
 
@@ -37,10 +38,16 @@ constexpr std::uint32_t absent =
 // fault for each 4 KiB.
 struct Part {
   std::string_view text;
-  std::vector<Vec3f> vertices, remainders;
+  std::vector<Vec3f> vertices;
+  bool is_rounded = false;        ///< the file's numbers of some vertex are no floats
+  bool keeps_remainders = false;  ///< what rounding took is kept below
+  std::vector<Vec3f> remainders;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::pair<std::size_t, std::uint32_t>> polygons;  ///< triangles before it, number of corners
   std::vector<std::uint32_t> polygon_corners;
+  const char* first_face = nullptr;  ///< its statement
+  std::uint32_t largest = 0;         ///< of the corners that count from the file's first vertex
+  bool has_relative = false;         ///< there are corners that count back
   std::size_t small_faces = 0, lines_and_points = 0, free_forms = 0;
 
   const char* wrong = nullptr;  ///< where reading stopped, and why
@@ -50,10 +57,14 @@ struct Part {
   void begin(std::string_view new_text) {
     text = new_text;
     vertices.clear();
+    is_rounded = false;
     remainders.clear();
     triangles.clear();
     polygons.clear();
     polygon_corners.clear();
+    first_face = nullptr;
+    largest = 0;
+    has_relative = false;
     small_faces = lines_and_points = free_forms = 0;
   }
 };
@@ -98,6 +109,7 @@ class PartReader {
         if (!read_plain_vertex(end)) read_vertex();
         if (part_.vertices.size() > last_vertex) return statement;
       } else if (*at_ == 'f' && (length == 1 || (length == 2 && at_[1] == 'o'))) {  // fo: of old files
+        if (part_.first_face == nullptr) part_.first_face = at_;
         at_ = behind;
         if (!read_plain_triangle(end)) read_face();
         if (part_.triangles.size() + part_.polygons.size() > last_face) return statement;
@@ -142,8 +154,7 @@ class PartReader {
       at = value.end;
     }
     at_ = at;
-    add_vertex({values[0].nearest, values[1].nearest, values[2].nearest},
-               {values[0].remainder(), values[1].remainder(), values[2].remainder()});
+    add_vertex(values);
     return true;
   }
 
@@ -162,21 +173,15 @@ class PartReader {
       at_ = value.end;
     }
     constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-    const Vec3f p =
-        is_point ? Vec3f{values[0].nearest, values[1].nearest, values[2].nearest} : Vec3f{nan, nan, nan};
-    const Vec3f rest{values[0].remainder(), values[1].remainder(), values[2].remainder()};
-    add_vertex(p, rest);
+    if (!is_point) std::fill(values, values + 3, Real{nan, nan});
+    add_vertex(values);
   }
 
-  void add_vertex(const Vec3f& p, const Vec3f& rest) {
-    part_.vertices.push_back(p);
-    const bool is_exact = rest.x == 0.0f && rest.y == 0.0f && rest.z == 0.0f;
-    if (is_exact && part_.remainders.empty()) return;
-    if (part_.remainders.empty()) {
-      part_.remainders.reserve(part_.vertices.capacity());
-      part_.remainders.resize(part_.vertices.size() - 1);
-    }
-    part_.remainders.push_back(rest);
+  void add_vertex(const Real (&values)[3]) {
+    part_.vertices.push_back({values[0].nearest, values[1].nearest, values[2].nearest});
+    for (const Real& value : values) part_.is_rounded |= value.wide != double{value.nearest};
+    if (part_.keeps_remainders)
+      part_.remainders.push_back({values[0].remainder(), values[1].remainder(), values[2].remainder()});
   }
 
   // What nearly all faces are: three numbers that count from the file's first vertex, on one line. False, and
@@ -201,6 +206,7 @@ class PartReader {
     at = skip_blanks(at, end);
     if (at == end || !is_line_end(*at)) return false;
     part_.triangles.push_back({corners[0], corners[1], corners[2]});
+    part_.largest = std::max({part_.largest, corners[0], corners[1], corners[2]});
     at_ = at;
     return true;
   }
@@ -236,18 +242,24 @@ class PartReader {
       }
       ++corners;
     }
+    if (corners < 3) {
+      ++part_.small_faces;
+      return;
+    }
+    std::span<const std::uint32_t> kept = first;
     if (corners == 3) {
       part_.triangles.push_back({first[0], first[1], first[2]});
-    } else if (corners < 3) {
-      ++part_.small_faces;
     } else {
-      part_.polygons.emplace_back(part_.triangles.size(),
-                                  static_cast<std::uint32_t>(part_.polygon_corners.size() - polygons_begin));
+      kept = std::span(part_.polygon_corners).subspan(polygons_begin);
+      part_.polygons.emplace_back(part_.triangles.size(), static_cast<std::uint32_t>(kept.size()));
     }
+    for (const std::uint32_t corner : kept)
+      if ((corner & relative_mark) == 0) part_.largest = std::max(part_.largest, corner);
   }
 
-  std::uint32_t corner_of(std::int64_t index) const {
+  std::uint32_t corner_of(std::int64_t index) {
     if (index > 0) return index <= max_vertices ? static_cast<std::uint32_t>(index - 1) : absent;
+    part_.has_relative = true;
     const std::int64_t relative = static_cast<std::int64_t>(part_.vertices.size()) + index + relative_zero;
     return index == 0 || relative < 0 ? absent : relative_mark | static_cast<std::uint32_t>(relative);
   }
@@ -296,7 +308,8 @@ class ObjReader {
       : file_(file), bytes_(bytes), texts_(divide(without_byte_order_mark(bytes.view()))) {}
 
   ReadMesh read() {
-    const std::size_t at_once = std::min<std::size_t>(texts_.size(), parts_per_thread * thread_count());
+    const std::size_t threads = thread_count();
+    const std::size_t at_once = std::min(texts_.size(), threads == 1 ? 1 : parts_per_thread * threads);
     std::vector<Part> parts(at_once), before(at_once);
     ReadMesh mesh;
     Faces faces;
@@ -321,13 +334,15 @@ class ObjReader {
     vertices_ = mesh.vertices.size();
     for (std::size_t part = 0; part < texts_.size(); ++part)
       if (largest_corner_[part] >= vertices_) raise_range(part);
-    if (!mesh.remainders.empty()) mesh.remainders.resize(vertices_);
     std::size_t crossing = 0;
     mesh.triangles = faces.take_triangles(mesh.vertices, crossing);
     tell(mesh.contents, small_faces_, lines_and_points_, free_forms_, crossing);
-    mesh.describe_vertex = [state = std::make_shared<ObjReader>(std::move(*this))](std::uint32_t vertex) {
-      return state->describe(vertex);
-    };
+    const auto state = std::make_shared<ObjReader>(std::move(*this));
+    mesh.describe_vertex = [state](std::uint32_t vertex) { return state->describe(vertex); };
+    if (state->is_rounded_)
+      mesh.remainders_of = [state](std::span<const std::uint32_t> vertices) {
+        return state->remainders(vertices);
+      };
     return mesh;
   }
 
@@ -350,45 +365,41 @@ class ObjReader {
     small_faces_ += part.small_faces;
     lines_and_points_ += part.lines_and_points;
     free_forms_ += part.free_forms;
-    std::uint32_t largest = 0;
-    const auto resolve = [&](std::span<std::uint32_t> corners) {
-      for (std::uint32_t& corner : corners) largest = std::max(largest, corner = resolved(corner, first));
-    };
-    // Where all parts that follow are like this one, there is room for them.
-    const auto rest = static_cast<std::size_t>(bytes_.view().end() - part.text.begin());
-    const auto room = [&](std::size_t have, std::size_t more) {
-      return have + more +
-             static_cast<std::size_t>(1.05 * static_cast<double>(more) * static_cast<double>(rest) /
-                                      static_cast<double>(part.text.size()));
+    if (part.has_relative) {
+      const auto resolve = [&](std::span<std::uint32_t> corners) {
+        for (std::uint32_t& corner : corners)
+          part.largest = std::max(part.largest, corner = resolved(corner, first));
+      };
+      for (auto& triangle : part.triangles) resolve(triangle);
+      resolve(part.polygon_corners);
+    }
+    largest_corner_.push_back(part.largest);
+    // Where all that follows is like what `more` were read from, from `begin` on, there is room for it. A few
+    // lines at the end of the part say little.
+    const auto room = [&](std::size_t have, std::size_t more, const char* begin) {
+      const char* const part_end = part.text.data() + part.text.size();
+      begin = std::min(begin, part_end - part.text.size() / 16);
+      const double bytes = static_cast<double>(part_end - begin);
+      const double rest = static_cast<double>(bytes_.view().data() + bytes_.view().size() - begin);
+      return have + more + static_cast<std::size_t>(1.05 * static_cast<double>(more) * rest / bytes);
     };
     std::size_t polygon_corner = 0, triangle = 0;
     if (!faces.has_room_for(part.triangles.size()))
-      faces.reserve(room(faces.triangles(), part.triangles.size()));
+      faces.reserve(room(faces.triangles(), part.triangles.size(), part.first_face));
     const auto add_triangles = [&](std::size_t end) {
-      for (; triangle < end; ++triangle) {
-        resolve(part.triangles[triangle]);
-        faces.add(part.triangles[triangle]);
-      }
+      faces.add(std::span(part.triangles).subspan(triangle, end - triangle));
+      triangle = end;
     };
     for (const auto& polygon : part.polygons) {
       add_triangles(polygon.first);
-      const std::span corners = std::span(part.polygon_corners).subspan(polygon_corner, polygon.second);
-      resolve(corners);
-      faces.add(std::span<const std::uint32_t>(corners));
+      faces.add(std::span<const std::uint32_t>(part.polygon_corners).subspan(polygon_corner, polygon.second));
       polygon_corner += polygon.second;
     }
     add_triangles(part.triangles.size());
-    largest_corner_.push_back(largest);
-    append(part.vertices, mesh.vertices, room);
-    if (part.remainders.empty()) return;
-    mesh.remainders.resize(first);
-    append(part.remainders, mesh.remainders, room);
-  }
-
-  template <class Room>
-  static void append(const std::vector<Vec3f>& points, std::vector<Vec3f>& all, const Room& room) {
-    if (all.capacity() - all.size() < points.size()) all.reserve(room(all.size(), points.size()));
-    all.insert(all.end(), points.begin(), points.end());
+    if (mesh.vertices.capacity() - first < part.vertices.size())
+      reserve_large(mesh.vertices, room(first, part.vertices.size(), part.text.data()));
+    mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
+    is_rounded_ |= part.is_rounded;
   }
 
   // For a part with a corner that is none of the file's vertices: names the first such.
@@ -432,9 +443,33 @@ class ObjReader {
           line_of(at), std::uint64_t{corner} + 1, vertices_);
   }
 
-  std::string describe(std::uint32_t vertex) const {
+  // The number of the part that a vertex is in.
+  std::size_t part_of(std::uint32_t vertex) const {
     const auto behind = std::upper_bound(first_vertex_.begin(), first_vertex_.end(), vertex);
-    const std::size_t number = static_cast<std::size_t>(behind - first_vertex_.begin()) - 1;
+    return static_cast<std::size_t>(behind - first_vertex_.begin()) - 1;
+  }
+
+  // What rounding took from vertices, which ascend.
+  std::vector<Vec3f> remainders(std::span<const std::uint32_t> vertices) const {
+    std::vector<Vec3f> taken;
+    taken.reserve(vertices.size());
+    Part part;
+    part.keeps_remainders = true;
+    std::size_t last = none;  // the part that was read
+    for (const std::uint32_t vertex : vertices) {
+      const std::size_t number = part_of(vertex);
+      if (number != last) {
+        part.begin(texts_[number]);
+        PartReader(part).read();
+        last = number;
+      }
+      taken.push_back(part.remainders[vertex - first_vertex_[number]]);
+    }
+    return taken;
+  }
+
+  std::string describe(std::uint32_t vertex) const {
+    const std::size_t number = part_of(vertex);
     Part part;
     part.text = texts_[number];
     const char* at = PartReader(part).read(vertex - first_vertex_[number]);
@@ -472,6 +507,7 @@ class ObjReader {
   std::vector<std::string_view> texts_;  ///< of the parts
   std::vector<std::size_t> first_vertex_;
   std::vector<std::uint32_t> largest_corner_;
+  bool is_rounded_ = false;
   std::size_t vertices_ = 0, small_faces_ = 0, lines_and_points_ = 0, free_forms_ = 0;
 };
 

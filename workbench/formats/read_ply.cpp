@@ -12,6 +12,7 @@
 
 #include "workbench/base/raise.hpp"
 #include "workbench/formats/faces.hpp"
+#include "workbench/formats/large_vector.hpp"
 #include "workbench/formats/numbers.hpp"
 #include "workbench/formats/ply_header.hpp"
 #include "workbench/formats/text.hpp"
@@ -241,7 +242,7 @@ class BodyReader {
   }
 
   void read_vertices(const PlyElement& element) {
-    mesh_.vertices.reserve(element.count);
+    reserve_large(mesh_.vertices, element.count);
     if (read_plain_vertices(element)) return;
     for (std::uint64_t i = 0; i < element.count; ++i) {
       const Place place{file_, element, i};

@@ -72,7 +72,7 @@ TEST(ReadObj, ABackslashJoinsLinesOfStatementsOnly) {
 TEST(ReadObj, WhatIsNeitherVertexNorFaceIsPassedOver) {
   EXPECT_EQ(read("mtllib a.mtl\no a\ng f 1 2\ns 1\nvt nan\nvn x y z\nvp 1\nv 0 0 0\n v  1\t0 0 0.5 .5 .5 "
                  "1\n\tv 0 1 0 7\n"
-                 "curv 0 1 1 2\ncstype bezier\nl 1 2\np 9\nf 1/9/9 2//9 3/\n#f 1 1 1\nf 1 2\nf\n"),
+                 "curv 0 1 1 2\ncstype bezier\nl 1 2\np 9\nf 1/9/9 2//9 3/\n#f 1 1 1\nf 1 99\nf\n"),
             unit);
   EXPECT_EQ(read("v 0 0 0\nv 1 0 0\nv 0 1 0\nfo 1 2 3\n"), unit);  // as old files call faces
 }
@@ -128,6 +128,21 @@ TEST(ReadObj, CountsTrianglesThatRoundingFlattens) {
   EXPECT_EQ(flattened("v 0.1 0.1 0.1\nv 0.2 0.2 0.2\nv 0.3 0.3 0.3\nf 1 2 3\n"),
             0u);  // has no area in the file either
   EXPECT_EQ(flattened("v 8000000.1 0 0\nv 8000000.2 0 0\nv 8000000.3 0 0\nf 1 2 3\nf 1 1 2\n"), 0u);
+}
+
+// What rounding took is read again where it is asked for: in the right part of the file, by the file's
+// numbers.
+TEST(ReadObj, CountsTrianglesThatRoundingFlattensInEveryPartOfALargeFile) {
+  const TemporaryDirectory directory;
+  std::string text;
+  constexpr std::size_t count = 20000;
+  for (std::size_t i = 0; i < count; ++i) {
+    text += "v 9 9 9\nv 8000000.1 0 0\nv 8000000.2 0 0\nv 8000000.2 1 0\nf -3 -2 -1\n";
+    text += "v 1.1 0 0\nv 1.2 0 0\nv 1.2 1 0\nf -3 -2 -1\nv 8000000.2 1 0\nf -3 -1 -1\n";
+  }
+  const Scene scene = load_file(directory.write("a.obj", text));
+  EXPECT_EQ(scene.contents.flattened_triangles, count);
+  EXPECT_EQ(scene.vertices.size(), 7 * count);
 }
 
 }  // namespace
