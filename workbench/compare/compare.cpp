@@ -123,6 +123,7 @@ class Measurement {
     }
     bound_rays();
     for (const RayType type : ray_types) trace(type);
+    if (!hits_anything()) remark("no ray hits anything, so that speeds are those of finding nothing");
     report(1.0, "done");
     return std::move(result_);
   }
@@ -130,6 +131,16 @@ class Measurement {
  private:
   void report(double fraction, std::string_view what) const {
     if (options_.progress) options_.progress(fraction, what);
+  }
+
+  void remark(const std::string& what) {
+    std::string& all = result_.figures.remark;
+    all += (all.empty() ? "" : "; ") + what;
+  }
+
+  bool hits_anything() const {
+    const auto& rays = result_.figures.builders.front().rays;
+    return std::any_of(rays.begin(), rays.end(), [](const RayFigures& figures) { return figures.hits > 0; });
   }
 
   // Builds and measures the time, without that of `inspect`, which is given the tree.
@@ -197,19 +208,17 @@ class Measurement {
                          result_.figures.builders.size());
     }
     if (!(rays_ == options_.rays)) {
-      result_.figures.remark = fmt::format(
+      remark(fmt::format(
           "each viewpoint has {}x{} pixels, not {}x{}: so much lies over one another that a ray visits "
           "thousands of nodes and triangles",
-          rays_.width, rays_.height, options_.rays.width, options_.rays.height);
+          rays_.width, rays_.height, options_.rays.width, options_.rays.height));
     }
     std::map<std::string_view, double> sampled;  // a builder with several alphas is named once
     for (const BuilderFigures& figures : result_.figures.builders) {
       if (figures.epo_error > 0.0) sampled[figures.name] = std::max(sampled[figures.name], figures.epo_error);
     }
     for (const auto& [builder, error] : sampled) {
-      result_.figures.remark +=
-          fmt::format("{}the EPO of {} is from a sample, with a standard error of {:.1g}",
-                      result_.figures.remark.empty() ? "" : "; ", builder, error);
+      remark(fmt::format("the EPO of {} is from a sample, with a standard error of {:.1g}", builder, error));
     }
   }
 

@@ -107,3 +107,15 @@ TEST(Compare, ASweepOverEqualTrianglesTracesFewRaysAndMeasuresEqualTreesOnce) {
   EXPECT_EQ(figures.disagreements(), 0u);
   EXPECT_NE(figures.remark.find("not 64x64"), std::string::npos) << figures.remark;
 }
+
+TEST(Compare, SaysWhereNoRayHitsAnything) {
+  Scene line{
+      .name = "line", .vertices = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, .triangles = {}, .viewpoints = {}};
+  line.triangles = {{0, 1, 2}};
+  line.viewpoints = {{.position = {0.3f, 0.3f, 2}, .target = {0.3f, 0.3f, 0}, .up = {0, 1, 0}}};
+  const std::string remark = compare(line, all_builders(), quick).figures.remark;
+  EXPECT_NE(remark.find("no ray hits anything"), std::string::npos) << remark;
+  const std::string of_sticks =
+      compare(load_scene("sticks:detail=0.01"), all_builders(), quick).figures.remark;
+  EXPECT_EQ(of_sticks.find("no ray hits anything"), std::string::npos) << of_sticks;
+}
