@@ -2,18 +2,17 @@
 // in dark, paper keeps figures whole, and scripts are not needed. It stands here since npm and Playwright do.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 import { after, before, test } from 'node:test';
 import { findings } from './support/accessibility.mjs';
+import { launch, skipWithout } from './support/browser.mjs';
 
-const chromium = process.env.KERF_CHROMIUM ?? '/usr/bin/chromium';
 const tool = fileURLToPath(new URL('../../../build/release/bin/kerf', import.meta.url));
 const pictures = fileURLToPath(new URL('../../../build/web-pictures/', import.meta.url));
-const there = existsSync(chromium) && existsSync(tool);
-const skip = there || process.env.KERF_REQUIRE_BROWSER ? false : 'there is no Chromium, or no tool: scripts/web builds it';
+const skip = skipWithout([tool], 'no tool: scripts/web builds it');
 
 const reports = { comparison: ['compare', 'sticks:detail=0.02', 'terrain:detail=0.01,rotate=30'], sweep: ['sweep', 'sticks:detail=0.02', '--alphas', '1,1e-3,0'],
   budgets: ['sweep', 'sticks:detail=0.02', '--budgets', '1,1.5'] };
@@ -25,11 +24,7 @@ before(async () => {
   mkdirSync(pictures, { recursive: true });
   for (const [name, command] of Object.entries(reports))
     execFileSync(tool, [...command, '--pixels', '24x16', '--rounds', '3', '--pictures', '48x32', '--report', join(folder, name)]);
-  const { chromium: driver } = await import('playwright-core');
-  browser = await driver.launch({
-    executablePath: chromium,
-    args: ['--headless', '--no-sandbox', '--disable-gpu', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
-  });
+  browser = await launch();
 });
 after(async () => {
   await browser?.close();

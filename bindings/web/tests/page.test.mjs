@@ -1,48 +1,23 @@
 // The page, in Chromium, from a server that serves files and nothing else: no headers, no paths of its own.
 import assert from 'node:assert/strict';
-import { createServer } from 'node:http';
-import { existsSync, mkdirSync, readFileSync } from 'node:fs';
-import { extname, join } from 'node:path';
+import { mkdirSync } from 'node:fs';
+import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { after, before, test } from 'node:test';
 import { findings } from './support/accessibility.mjs';
+import { complaintsOf, launch, serve, skipWithout } from './support/browser.mjs';
 
-const chromium = process.env.KERF_CHROMIUM ?? '/usr/bin/chromium';
 const dist = fileURLToPath(new URL('../demo/dist/', import.meta.url));
 const pictures = fileURLToPath(new URL('../../../build/web-pictures/', import.meta.url));
-const there = existsSync(chromium) && existsSync(join(dist, 'index.html'));
-const skip = there || process.env.KERF_REQUIRE_BROWSER ? false : 'there is no Chromium, or no page: scripts/web demo';
+const skip = skipWithout([join(dist, 'index.html')], 'no page: scripts/web demo');
 
-const kinds = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.mjs': 'text/javascript', '.wasm': 'application/wasm' };
 let server, browser, root;
-
-function serve(folders) {
-  return createServer((request, response) => {
-    const path = decodeURIComponent(new URL(request.url, 'http://localhost').pathname);
-    for (const [prefix, folder] of Object.entries(folders)) {
-      const file = path.startsWith(prefix) && join(folder, path.slice(prefix.length) || 'index.html');
-      if (!file || !existsSync(file)) continue;
-      response.setHeader('content-type', kinds[extname(file)] ?? 'application/octet-stream');
-      response.end(readFileSync(file));
-      return;
-    }
-    response.statusCode = 404;
-    response.end();
-  });
-}
 
 before(async () => {
   if (skip) return;
-  const { chromium: driver } = await import('playwright-core');
   mkdirSync(pictures, { recursive: true });
-  server = serve({ '/some/where/': dist, '/package/': fileURLToPath(new URL('../dist/', import.meta.url)), '/plain/': fileURLToPath(new URL('plain/', import.meta.url)) });
-  await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
-  root = `http://127.0.0.1:${server.address().port}`;
-  browser = await driver.launch({
-    executablePath: chromium,
-    args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
-      '--disable-component-update', '--disable-sync'],
-  });
+  ({ server, root } = await serve({ '/some/where/': dist, '/package/': fileURLToPath(new URL('../dist/', import.meta.url)), '/plain/': fileURLToPath(new URL('plain/', import.meta.url)) }));
+  browser = await launch();
 });
 after(async () => {
   await browser?.close();
@@ -52,11 +27,7 @@ after(async () => {
 /** A page that is complete, and what it complained of. */
 async function opened(options = {}, path = '/some/where/') {
   const page = await browser.newPage({ viewport: { width: 1200, height: 900 }, ...options });
-  const complaints = [];
-  page.on('console', (message) => message.type() === 'error' && complaints.push(message.text()));
-  page.on('pageerror', (error) => complaints.push(error.message));
-  page.on('requestfailed', (request) => complaints.push(`${request.url()}: ${request.failure()?.errorText}`));
-  page.on('response', (response) => response.status() >= 400 && complaints.push(`${response.url()}: ${response.status()}`));
+  const complaints = complaintsOf(page);
   await page.goto(root + path);
   return { page, complaints };
 }
