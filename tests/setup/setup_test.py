@@ -21,9 +21,9 @@ target_link_libraries(user PRIVATE kerf::kerf)
 """
 
 
-def run(*command, folder, fails=False):
+def run(*command, folder, fails=False, environment=None):
     """What a command prints. It must succeed, or fail if that is asked."""
-    result = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True)
+    result = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True, env=environment)
     output = result.stdout + result.stderr
     if (result.returncode != 0) != fails:
         sys.exit(f"{command}: exit status {result.returncode}\n{output}")
@@ -140,8 +140,11 @@ def kernels_are_optimised_in_a_project_of_any_build_type(source, room):
 def programs_of_all_languages(source, room, *ways):
     """They are built and run without optimisation and for the fallback alone: how kerf comes in is the question."""
     options = ["-DCMAKE_BUILD_TYPE=", "-DKERF_DEBUG=ON", "-DKERF_LEAVE_OUT=AVX3,AVX2,SSE4"]
+    if shutil.which("ccache"):
+        options.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
     run("cmake", "-G", "Ninja", "-B", room / "build", *options, *ways, folder=source / "tests/package")
-    run("cmake", "--build", room / "build", folder=room)
+    # The room has another name each time; what was compiled in the last one is not compiled again.
+    run("cmake", "--build", room / "build", folder=room, environment={**os.environ, "CCACHE_BASEDIR": str(room)})
     run("ctest", "--no-tests=error", "--output-on-failure", folder=room / "build")
 
 
