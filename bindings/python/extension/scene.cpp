@@ -75,38 +75,55 @@ nb::tuple parts(const Scene& scene) {
 
 using Limits = std::optional<Numbers<float>>;
 
-/// Which instances count: a byte for each.
-struct Accepted {
-  const std::uint8_t* flags;
-
-  bool operator()(std::size_t, const SceneHit& hit) const { return flags[hit.instance] != 0; }
-};
 using Flags = std::optional<Answers<const std::uint8_t>>;
+using Places = std::optional<Answers<const std::int64_t>>;
+
+/// What counts. Of instances a byte for each; of triangles a byte for each of the objects that say so, mesh after
+/// mesh.
+struct Accepted {
+  const Flags& instances;
+  const Places& starts;  ///< for each instance, where those of its object begin in `firsts`; below 0: all count
+  const Places& firsts;  ///< where each mesh begins in `triangles`
+  const Flags& triangles;
+
+  bool are_all() const { return !instances && !starts; }
+
+  bool operator()(std::size_t, const SceneHit& hit) const {
+    if (instances && instances->data()[hit.instance] == 0) return false;
+    if (!starts) return true;
+    const std::int64_t start = starts->data()[hit.instance];
+    return start < 0 || triangles->data()[firsts->data()[start + hit.mesh] + hit.primitive] != 0;
+  }
+};
 
 void intersect(const Scene& scene, const Triples& origins, const Triples& directions, const Limits& t_min,
-               const Limits& t_max, const std::optional<Numbers<std::uint32_t>>& mask, const Flags& accepted,
-               const Bytes& answers, unsigned threads) {
+               const Limits& t_max, const std::optional<Numbers<std::uint32_t>>& mask, const Flags& instances,
+               const Places& starts, const Places& firsts, const Flags& triangles, const Bytes& answers,
+               unsigned threads) {
   const Rays rays(origins, directions, t_min, t_max, mask);
+  const Accepted accepted{instances, starts, firsts, triangles};
   in_slices(rays.view.count, [&](std::size_t first, std::size_t count) {
     const std::span<SceneHit> hits = records<SceneHit>(answers).subspan(first, count);
-    if (accepted) {
-      scene.intersect(rays.slice(first, count), hits, Accepted{accepted->data()}, {.threads = threads});
-    } else {
+    if (accepted.are_all()) {
       scene.intersect(rays.slice(first, count), hits, {.threads = threads});
+    } else {
+      scene.intersect(rays.slice(first, count), hits, accepted, {.threads = threads});
     }
   });
 }
 
 void occluded(const Scene& scene, const Triples& origins, const Triples& directions, const Limits& t_min,
-              const Limits& t_max, const std::optional<Numbers<std::uint32_t>>& mask, const Flags& accepted,
-              const Bytes& answers, unsigned threads) {
+              const Limits& t_max, const std::optional<Numbers<std::uint32_t>>& mask, const Flags& instances,
+              const Places& starts, const Places& firsts, const Flags& triangles, const Bytes& answers,
+              unsigned threads) {
   const Rays rays(origins, directions, t_min, t_max, mask);
+  const Accepted accepted{instances, starts, firsts, triangles};
   in_slices(rays.view.count, [&](std::size_t first, std::size_t count) {
     const FlagView flags(answers.data() + first, count);
-    if (accepted) {
-      scene.occluded(rays.slice(first, count), flags, Accepted{accepted->data()}, {.threads = threads});
-    } else {
+    if (accepted.are_all()) {
       scene.occluded(rays.slice(first, count), flags, {.threads = threads});
+    } else {
+      scene.occluded(rays.slice(first, count), flags, accepted, {.threads = threads});
     }
   });
 }

@@ -192,6 +192,42 @@ def test_rays_pass_instances_that_are_not_accepted(ball, random):
         scene.occluded(origins, directions, accept=accept.astype(np.int64))
 
 
+def test_rays_pass_triangles_that_are_not_accepted_wherever_their_object_stands(ball, cube, random):
+    maps = any_transforms(30, random)
+    accept = random.integers(0, 2, len(FACES)).astype(bool)
+
+    def scene_of(round):
+        group = kerf_bvh.Scene([round, cube], maps[:20], which=np.arange(20) % 2)
+        places = np.concatenate([np.eye(4)[None, :3], maps[20:]])
+        return kerf_bvh.Scene([group, round, cube], places, which=[0, 1, 2] + 8 * [1])
+
+    is_round = np.array(10 * [True, False] + [True, False] + 8 * [True])
+    scene, rest = scene_of(ball), scene_of(kerf_bvh.Bvh(VERTICES, FACES[accept]))
+    origins, directions = rays(random)
+    expected = rest.intersect(origins, directions)
+    primitive = expected.primitive.copy()
+    renamed = expected.hit & is_round[np.where(expected.hit, expected.instance, 0)]
+    assert renamed.sum() > 100 and (expected.hit & ~renamed).sum() > 10
+    primitive[renamed] = np.flatnonzero(accept)[primitive[renamed]]
+    for given in (accept, [accept]):
+        hits = scene.intersect(origins, directions, accept_triangles={ball: given})
+        assert np.array_equal(hits.t, expected.t) and np.array_equal(hits.instance, expected.instance)
+        assert np.array_equal(hits.primitive, primitive)
+    assert np.array_equal(scene.occluded(origins, directions, accept_triangles={ball: accept}), hits.hit)
+
+    both = {cube: np.zeros(12, bool), ball: accept}
+    there = is_round & (random.uniform(size=30) < 0.7)
+    hits = scene.intersect(origins, directions, accept=there, accept_triangles=both)
+    expected = rest.intersect(origins, directions, accept=there)
+    assert np.array_equal(hits.t, expected.t) and np.array_equal(hits.instance, expected.instance)
+    hits, expected = scene.intersect(origins, directions, accept_triangles={}), scene.intersect(origins, directions)
+    assert np.array_equal(hits.t, expected.t)
+    with pytest.raises(ValueError, match=re.escape("accept: shape (3,) for the 12 triangles of mesh 0")):
+        scene.intersect(origins, directions, accept_triangles={cube: np.ones(3, bool)})
+    with pytest.raises(ValueError, match="accept_triangles: an object that does not stand in the scene"):
+        scene.occluded(origins, directions, accept_triangles={kerf_bvh.Bvh(VERTICES, FACES): accept})
+
+
 def test_the_nearest_are_the_first_within_and_sides_tell_the_surface(ball, cube, random):
     scene = kerf_bvh.Scene(ball, any_transforms(30, random))
     points = random.uniform(-8, 8, (100, 3))

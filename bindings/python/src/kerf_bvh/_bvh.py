@@ -19,6 +19,7 @@ from ._arrays import (
     Float32,
     Float64,
     Int64,
+    UInt8,
     UInt32,
     array_of,
     faces_of,
@@ -586,9 +587,10 @@ class Bvh:
 
     def _accepted(
         self, accept: ArrayLike | Sequence[ArrayLike] | None
-    ) -> tuple[npt.NDArray[np.uint8] | None, Int64 | None]:
-        if accept is None:
-            return None, None
+    ) -> tuple[UInt8 | None, Int64 | None]:
+        return (None, None) if accept is None else self._accepted_triangles(accept)
+
+    def _accepted_triangles(self, accept: ArrayLike | Sequence[ArrayLike]) -> tuple[UInt8, Int64]:
         if self._firsts is None:
             sizes = [0] + [mesh.triangles for mesh in self.mesh_statistics]
             self._firsts = np.cumsum(np.array(sizes, np.int64))

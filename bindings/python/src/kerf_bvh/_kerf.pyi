@@ -163,7 +163,10 @@ def scene_intersect(
     t_min: Float32 | None,
     t_max: Float32 | None,
     mask: UInt32 | None,
-    accepted: UInt8 | None,
+    instances: UInt8 | None,
+    starts: Int64 | None,
+    firsts: Int64 | None,
+    triangles: UInt8 | None,
     hits: UInt8,
     threads: int,
 ) -> None: ...
@@ -174,7 +177,10 @@ def scene_occluded(
     t_min: Float32 | None,
     t_max: Float32 | None,
     mask: UInt32 | None,
-    accepted: UInt8 | None,
+    instances: UInt8 | None,
+    starts: Int64 | None,
+    firsts: Int64 | None,
+    triangles: UInt8 | None,
     answers: UInt8,
     threads: int,
 ) -> None: ...

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,20 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _kerf
-from ._arrays import ArrayLike, Bool, Float32, Float64, UInt32, array_of, numbers_of, rounded, rows_of, triples_of
+from ._arrays import (
+    ArrayLike,
+    Bool,
+    Float32,
+    Float64,
+    Int64,
+    UInt8,
+    UInt32,
+    array_of,
+    numbers_of,
+    rounded,
+    rows_of,
+    triples_of,
+)
 from ._bvh import Bvh, readable
 from ._questions import ALL, affine_of, boxes_of, check_threads, mask_of, rays_of
 from ._results import (
@@ -158,19 +171,22 @@ class Scene:
         *,
         mask: ArrayLike | None = None,
         accept: ArrayLike | None = None,
+        accept_triangles: Mapping[Bvh, ArrayLike | Sequence[ArrayLike]] | None = None,
         threads: int = 0,
     ) -> SceneHits:
         """The closest hit of each ray in [t_min, t_max]. Of several at the same t, the lowest instance, mesh, triangle.
 
         accept: bool (`instance_count`,): False for instances that rays pass.
+        accept_triangles: for objects with triangles that rays pass, wherever they stand: `{bvh: accept}`, of which
+            each is what `Bvh.intersect` takes as its `accept`. Of other objects every triangle counts.
 
         Other parameters as those of `Bvh.intersect`. Returns `SceneHits` of shape (...).
         """
         rays, shape = rays_of(origins, directions, t_min, t_max, rounded)
         records = np.empty(shape, SCENE_HIT)
         data = records.reshape(-1).view(np.uint8)
-        accepted = self._accepted(accept)
-        _kerf.scene_intersect(self._scene, *rays, mask_of(mask, shape), accepted, data, check_threads(threads))
+        accepted = self._accepted(accept, accept_triangles)
+        _kerf.scene_intersect(self._scene, *rays, mask_of(mask, shape), *accepted, data, check_threads(threads))
         return scene_hits_of(records)
 
     def occluded(
@@ -182,14 +198,15 @@ class Scene:
         *,
         mask: ArrayLike | None = None,
         accept: ArrayLike | None = None,
+        accept_triangles: Mapping[Bvh, ArrayLike | Sequence[ArrayLike]] | None = None,
         threads: int = 0,
     ) -> Bool:
         """Whether each ray hits anything in [t_min, t_max]: bool (...). As `intersect`."""
         rays, shape = rays_of(origins, directions, t_min, t_max, rounded)
         answers = np.empty(shape, np.bool_)
         flags = answers.reshape(-1).view(np.uint8)
-        accepted = self._accepted(accept)
-        _kerf.scene_occluded(self._scene, *rays, mask_of(mask, shape), accepted, flags, check_threads(threads))
+        accepted = self._accepted(accept, accept_triangles)
+        _kerf.scene_occluded(self._scene, *rays, mask_of(mask, shape), *accepted, flags, check_threads(threads))
         return answers
 
     def count_hits(
@@ -411,15 +428,44 @@ class Scene:
         """Of the scene itself, without its objects."""
         return self._scene.bytes()
 
-    def _accepted(self, accept: ArrayLike | None) -> npt.NDArray[np.uint8] | None:
-        if accept is None:
-            return None
-        flags = np.ascontiguousarray(accept)
-        if flags.dtype != np.bool_:
-            raise TypeError(f"accept: elements of type {flags.dtype}, where bool is needed")
-        if flags.shape != (self.instance_count,):
-            raise ValueError(f"accept: shape {flags.shape} for {self.instance_count} instances")
-        return flags.view(np.uint8)
+    def _accepted(
+        self, accept: ArrayLike | None, of_objects: Mapping[Bvh, ArrayLike | Sequence[ArrayLike]] | None
+    ) -> tuple[UInt8 | None, Int64 | None, Int64 | None, UInt8 | None]:
+        instances = None
+        if accept is not None:
+            flags = np.ascontiguousarray(accept)
+            if flags.dtype != np.bool_:
+                raise TypeError(f"accept: elements of type {flags.dtype}, where bool is needed")
+            if flags.shape != (self.instance_count,):
+                raise ValueError(f"accept: shape {flags.shape} for {self.instance_count} instances")
+            instances = flags.view(np.uint8)
+        if not of_objects:
+            return instances, None, None, None
+        numbers: dict[Bvh, int] = {}
+        standing = self._standing(numbers)
+        starts = np.full(len(numbers), -1, np.int64)
+        firsts, triangles, rows, size = [], [], 0, 0
+        for bvh, given in of_objects.items():
+            if bvh not in numbers:
+                raise ValueError("accept_triangles: an object that does not stand in the scene")
+            accepted, first_of_mesh = bvh._accepted_triangles(given)
+            starts[numbers[bvh]] = rows
+            firsts.append(first_of_mesh + size)
+            triangles.append(accepted)
+            rows, size = rows + len(first_of_mesh), size + len(accepted)
+        return instances, starts[standing], np.concatenate(firsts), np.concatenate(triangles)
+
+    def _standing(self, numbers: dict[Bvh, int]) -> Int64:
+        """What stands at each instance, as its number in `numbers`, which grows by what is not in it."""
+        inner = [
+            kind._standing(numbers)
+            if isinstance(kind, Scene)
+            else np.array([numbers.setdefault(kind, len(numbers))], np.int64)
+            for kind in self._objects
+        ]
+        if all(len(numbers_of_one) == 1 for numbers_of_one in inner):
+            return np.concatenate([np.empty(0, np.int64), *inner])[self._which]
+        return np.concatenate([np.empty(0, np.int64), *(inner[place] for place in self._which)])
 
     def __repr__(self) -> str:
         return f"<kerf_bvh.Scene of {self.instance_count} instances, {self.bytes} bytes>"
