@@ -78,11 +78,12 @@ using Limits = std::optional<Numbers<float>>;
 using Flags = std::optional<Answers<const std::uint8_t>>;
 using Places = std::optional<Answers<const std::int64_t>>;
 
-/// What counts. Of instances a byte for each; of triangles a byte for each of the objects that say so, mesh after
-/// mesh.
+/// What counts. Of instances a byte for each; of triangles a byte for each of the objects that say so, mesh
+/// after mesh.
 struct Accepted {
   const Flags& instances;
-  const Places& starts;  ///< for each instance, where those of its object begin in `firsts`; below 0: all count
+  const Places&
+      starts;  ///< for each instance, where those of its object begin in `firsts`; below 0: all count
   const Places& firsts;  ///< where each mesh begins in `triangles`
   const Flags& triangles;
 
