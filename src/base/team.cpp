@@ -1,6 +1,7 @@
 #include "base/team.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <iterator>
 #include <system_error>
@@ -8,6 +9,17 @@
 #include "base/fp_environment.hpp"
 
 namespace kerf {
+namespace {
+
+// `std::condition_variable::wait` would ask for the libstdc++ of GCC 12, which RHEL 9 has not: waits with a
+// limit are inline.
+template <class Holds>
+void wait_until(std::condition_variable& condition, std::unique_lock<std::mutex>& lock, const Holds& holds) {
+  while (!condition.wait_for(lock, std::chrono::hours(1), holds)) {
+  }
+}
+
+}  // namespace
 
 // What a pool is given outlives the team, if the pool comes to it late: then the door is closed.
 class Team::Door {
@@ -28,7 +40,7 @@ class Team::Door {
 
   void close() {
     std::unique_lock lock(mutex_);
-    left_.wait(lock, [&] { return inside_ == 0; });
+    wait_until(left_, lock, [&] { return inside_ == 0; });
     team_ = nullptr;
   }
 
@@ -152,7 +164,7 @@ void Team::finish(Task& task) {
   }
   while (!task.done) {
     if (waiting_.empty()) {
-      changed_.wait(lock, [&] { return task.done || !waiting_.empty(); });
+      wait_until(changed_, lock, [&] { return task.done || !waiting_.empty(); });
     } else {
       run_newest(lock);
     }
@@ -185,7 +197,7 @@ void Team::serve() {
   const Membership member(this);
   std::unique_lock lock(mutex_);
   while (true) {
-    changed_.wait(lock, [&] { return closed_ || !waiting_.empty(); });
+    wait_until(changed_, lock, [&] { return closed_ || !waiting_.empty(); });
     if (waiting_.empty()) return;
     run_newest(lock);
   }

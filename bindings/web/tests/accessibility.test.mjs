@@ -12,7 +12,7 @@ import { launch, skipWithout } from './support/browser.mjs';
 
 const tool = fileURLToPath(new URL('../../../build/release/bin/kerf', import.meta.url));
 const pictures = fileURLToPath(new URL('../../../build/web-pictures/', import.meta.url));
-const skip = skipWithout([tool], 'no tool: scripts/web builds it');
+const skip = skipWithout(tool, 'no tool: scripts/web builds it');
 
 const reports = { comparison: ['compare', 'sticks:detail=0.02', 'terrain:detail=0.01,rotate=30'], sweep: ['sweep', 'sticks:detail=0.02', '--alphas', '1,1e-3,0'],
   budgets: ['sweep', 'sticks:detail=0.02', '--budgets', '1,1.5'] };

@@ -6,14 +6,13 @@ import { fileURLToPath } from 'node:url';
 import { after, before, test } from 'node:test';
 import { build } from 'vite';
 import webpack from 'webpack';
-import { complaintsOf, launch, serve, skipWithout } from './support/browser.mjs';
+import { complaintsOf, hasBrowser, launch, serve } from './support/browser.mjs';
 
 const program = `import { buildInWorker, init } from 'kerf-bvh';
 await init();
 const bvh = await buildInWorker({ positions: [0, 0, 0, 1, 0, 0, 0, 1, 0] });
 document.title = \`hit \${bvh.intersect([0.25, 0.25, 1], [0, 0, -1])?.t}\`;
 `;
-const skip = skipWithout([], '');
 let folder, browser;
 
 before(async () => {
@@ -21,7 +20,7 @@ before(async () => {
   folder = mkdtempSync(fileURLToPath(new URL('../.bundle-', import.meta.url)));
   writeFileSync(join(folder, 'main.js'), program);
   writeFileSync(join(folder, 'index.html'), '<script type="module" src="./main.js"></script>');
-  if (!skip) browser = await launch();
+  if (hasBrowser) browser = await launch();
 });
 after(async () => {
   await browser?.close();

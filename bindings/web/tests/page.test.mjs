@@ -9,7 +9,7 @@ import { complaintsOf, launch, serve, skipWithout } from './support/browser.mjs'
 
 const dist = fileURLToPath(new URL('../demo/dist/', import.meta.url));
 const pictures = fileURLToPath(new URL('../../../build/web-pictures/', import.meta.url));
-const skip = skipWithout([join(dist, 'index.html')], 'no page: scripts/web demo');
+const skip = skipWithout(join(dist, 'index.html'), 'no page: scripts/web demo');
 
 let server, browser, root;
 

@@ -5,9 +5,12 @@ import { extname, join } from 'node:path';
 
 const chromium = process.env.KERF_CHROMIUM ?? '/usr/bin/chromium';
 
-/** For tests that need Chromium and the files named: false, or why they are skipped. */
-export function skipWithout(files, what) {
-  const there = [chromium, ...files].every((file) => existsSync(file));
+/** Whether there is Chromium, or has to be: then tests fail without it. */
+export const hasBrowser = existsSync(chromium) || Boolean(process.env.KERF_REQUIRE_BROWSER);
+
+/** For tests that need Chromium and a file: false, or why they are skipped. */
+export function skipWithout(file, what) {
+  const there = existsSync(chromium) && existsSync(file);
   return there || process.env.KERF_REQUIRE_BROWSER ? false : `there is no Chromium, or ${what}`;
 }
 
