@@ -13,13 +13,15 @@ await init();
 const bvh = await buildInWorker({ positions: [0, 0, 0, 1, 0, 0, 0, 1, 0] });
 document.title = \`hit \${bvh.intersect([0.25, 0.25, 1], [0, 0, -1])?.t}\`;
 `;
+// It says that it has no icon, for which a browser asks otherwise.
+const pageOf = (script) => `<!doctype html><link rel="icon" href="data:,">${script}`;
 let folder, browser;
 
 before(async () => {
   // Inside the package, so that it is found by its own name.
   folder = mkdtempSync(fileURLToPath(new URL('../.bundle-', import.meta.url)));
   writeFileSync(join(folder, 'main.js'), program);
-  writeFileSync(join(folder, 'index.html'), '<script type="module" src="./main.js"></script>');
+  writeFileSync(join(folder, 'index.html'), pageOf('<script type="module" src="./main.js"></script>'));
   if (hasBrowser) browser = await launch();
 });
 after(async () => {
@@ -66,6 +68,6 @@ test('webpack bundles the package with its worker by its defaults, and the modul
   const { errors, warnings } = stats.toJson({ all: false, errors: true, warnings: true });
   assert.deepEqual({ errors, warnings: warnings.filter(({ message }) => !/size limit|code splitting/.test(message)) }, { errors: [], warnings: [] });
   assert.notEqual(holdingTheModule(output), 'main.js');
-  writeFileSync(join(output, 'index.html'), '<script src="main.js"></script>');
+  writeFileSync(join(output, 'index.html'), pageOf('<script src="main.js"></script>'));
   if (browser) assert.deepEqual(await opened(output), { title: 'hit 1', complaints: [] });
 });

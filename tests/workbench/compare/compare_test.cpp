@@ -5,6 +5,7 @@
 #include <kerf/inspect.hpp>
 
 #include "support/brute_force.hpp"
+#include "support/instrumented.hpp"
 #include "workbench/compare/trace.hpp"
 #include "workbench/open/load_scene.hpp"
 
@@ -12,7 +13,8 @@ using namespace workbench;
 
 namespace {
 
-const CompareOptions quick{.threads = 2, .rays = {.width = 16, .height = 16}, .seconds_per_type = 0.0};
+const CompareOptions quick{
+    .threads = 2, .rays = {.width = 16, .height = test::reduced(16)}, .seconds_per_type = 0.0};
 
 std::vector<Contender> all_builders() {
   std::vector<Contender> contenders;
