@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "support.hpp"
-#include "support/instrumented.hpp"
 
 namespace kerf::cuda {
 namespace {
@@ -60,9 +59,9 @@ TEST(CudaTraversal, AnswersOfOddRaysAndPointsAreTheLibrarys) {
   for (const float scale : {1.0f, 1e-9f, 3e12f, 0x1p80f, 0x1p-100f, 0x1p100f, 0x1p121f}) {
     SCOPED_TRACE(scale);
     GridMeshes grid(scale);
-    std::vector<Ray> rays(test::reduced(3000));
+    std::vector<Ray> rays(3000);
     for (Ray& ray : rays) ray = grid.ray();
-    std::vector<Vec3f> points(test::reduced(500));
+    std::vector<Vec3f> points(500);
     for (Vec3f& point : points) {
       point = grid.point();
       if (grid.below(10) == 0) point.x *= 1e6f;
