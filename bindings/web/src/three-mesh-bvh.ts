@@ -64,22 +64,46 @@ export function buildMeshBVH(geometry: BufferGeometry, options: BuildOptions & {
   return bvh;
 }
 
+/** Options of `buildExpandedMeshBVH`. */
+export interface ExpandedOptions extends BuildOptions {
+  range?: Range;
+  /** A root, and a group of the new geometry, for each group that has triangles: materials in an array need them. Else
+   * one root, as `MeshBVHUniformStruct` has it, and no groups. Default: false. */
+  groups?: boolean;
+}
+
 /**
- * For shaders (`MeshBVHUniformStruct`), which make no room for triangles that an indirect buffer repeats: a `MeshBVH`
- * without one, over a geometry of the same attributes whose index repeats them. That geometry has no groups, and
- * `bvh.geometry` is it.
+ * For shaders, which make no room for triangles that an indirect buffer repeats: a `MeshBVH` without one, over a
+ * geometry of the same attributes whose index repeats them. `bvh.geometry` is that geometry. docs/guide/web.md says
+ * how three-gpu-pathtracer takes it.
  */
-export function buildExpandedMeshBVH(geometry: BufferGeometry, options: BuildOptions & { range?: Range } = {}): MeshBVH {
-  const { roots, indirectBuffer } = serializedTree(geometry, options);
-  const index = new Uint32Array(3 * indirectBuffer.length);
-  indirectBuffer.forEach((triangle, i) => {
-    for (let k = 0; k < 3; ++k) index[3 * i + k] = geometry.index ? geometry.index.getX(3 * triangle + k) : 3 * triangle + k;
-  });
+export function buildExpandedMeshBVH(geometry: BufferGeometry, { groups = false, ...options }: ExpandedOptions = {}): MeshBVH {
+  const whole = options.range ?? geometry.drawRange;
+  const parts = groups && geometry.groups.length > 0 ? geometry.groups : [{ start: 0, count: Infinity, materialIndex: 0 }];
+  const trees = parts.map((part) => {
+    const start = Math.max(part.start, whole.start), end = Math.min(part.start + part.count, whole.start + whole.count);
+    return { ...serializedTree(geometry, { ...options, range: { start, count: end - start } }), materialIndex: part.materialIndex };
+  }).filter(({ indirectBuffer }, _, { length }) => length === 1 || indirectBuffer.length > 0);
+
   const expanded = new BufferGeometry();
   for (const [name, attribute] of Object.entries(geometry.attributes)) expanded.setAttribute(name, attribute);
+  const index = new Uint32Array(3 * trees.reduce((sum, { indirectBuffer }) => sum + indirectBuffer.length, 0));
+  let at = 0;
+  for (const { roots, indirectBuffer, materialIndex } of trees) {
+    moveLeaves(roots[0], at / 3);
+    if (groups && geometry.groups.length > 0) expanded.addGroup(at, 3 * indirectBuffer.length, materialIndex);
+    for (const triangle of indirectBuffer)
+      for (let k = 0; k < 3; ++k) index[at++] = geometry.index ? geometry.index.getX(3 * triangle + k) : 3 * triangle + k;
+  }
   expanded.setIndex(new BufferAttribute(index, 1));
   expanded.computeBoundingBox();
-  const tree = { version: 1, roots, index, indirectBuffer: null };
+  const tree = { version: 1, roots: trees.map(({ roots }) => roots[0]), index, indirectBuffer: null };
   return MeshBVH.deserialize(tree as unknown as Parameters<typeof MeshBVH.deserialize>[0], expanded,
     { setIndex: false } as Parameters<typeof MeshBVH.deserialize>[2]);
+}
+
+// Lets the leaves of a tree begin so many triangles later.
+function moveLeaves(root: ArrayBuffer, triangles: number): void {
+  const words = new Uint32Array(root), halves = new Uint16Array(root);
+  for (let node = 0; node < words.length; node += 8) if (halves[2 * node + 15] === 0xffff) words[node + 6] += triangles;
 }

@@ -19,7 +19,7 @@ export async function launch() {
   return driver.launch({
     executablePath: chromium,
     args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
-      '--disable-component-update', '--disable-sync'],
+      '--disable-component-update', '--disable-sync', '--enable-unsafe-swiftshader'], // the last one: WebGL without a GPU
   });
 }
 
