@@ -68,15 +68,14 @@ bool all_vertices_in_range(const TriangleMesh& mesh) {
   });
 }
 
-// Whether all vertices, and so all corners of triangles, are finite. Throws for what a build refuses.
-bool check_meshes(const Geometry& geometry, NonFinite non_finite) {
+// Throws for what a build refuses.
+void check_meshes(const Geometry& geometry, NonFinite non_finite) {
   const auto meshes = geometry.meshes();
-  const bool indices = std::all_of(meshes.begin(), meshes.end(), all_indices_in_range);
-  const bool vertices = std::all_of(meshes.begin(), meshes.end(), all_vertices_in_range);
-  if (!indices || (!vertices && non_finite == NonFinite::refuse)) {
+  const bool refuse = non_finite == NonFinite::refuse;
+  if (!std::all_of(meshes.begin(), meshes.end(), all_indices_in_range) ||
+      (refuse && !std::all_of(meshes.begin(), meshes.end(), all_vertices_in_range))) {
     for (std::uint32_t id = 0; id < geometry.triangle_count(); ++id) check_triangle(geometry, id);
   }
-  return vertices;
 }
 
 bool has_area(const Triangle& triangle) {
@@ -133,7 +132,7 @@ RefitReport build_anew(Bvh& bvh, std::span<const TriangleMesh> meshes, const Bui
 
 RefitReport refit(Bvh& bvh, const Geometry& geometry, const BuildOptions& options) {
   std::shared_ptr<const Structure>& shared = Structure::pointer_of(bvh);
-  const bool all_in_range = check_meshes(geometry, options.non_finite);
+  check_meshes(geometry, options.non_finite);
   if (shared->wide.empty() || (shared->refit_basis == nullptr && !leaves_are_apart(shared->wide)))
     return build_anew(bvh, geometry.meshes(), options);
 
@@ -154,7 +153,7 @@ RefitReport refit(Bvh& bvh, const Geometry& geometry, const BuildOptions& option
   structure->refit_basis = std::move(basis);
   const bool had_stand_ins = !structure->stand_ins.empty();
   try {
-    if (!kerf::refit(*structure->refit_basis, {geometry, all_in_range}, choose_target(), structure->wide,
+    if (!kerf::refit(*structure->refit_basis, geometry, choose_target(), structure->wide,
                      structure->stand_ins))
       return build_anew(bvh, geometry.meshes(), options);
     count_left_out(geometry, *structure);

@@ -1,10 +1,13 @@
 #include "layout/pieces.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 
 #include "base/parallel.hpp"
 #include "math/predicates.hpp"
+#include "math/triangle.hpp"
 
 namespace kerf {
 namespace {

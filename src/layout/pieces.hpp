@@ -1,17 +1,13 @@
 // What leaves have of triangles that stand in several of them, so that the parts can move with the triangles.
 #pragma once
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
 #include "layout/wide_bvh.hpp"
-#include "math/triangle.hpp"
 
 namespace kerf {
 
@@ -60,29 +56,5 @@ class Pieces {
   std::vector<std::uint32_t> first_corners_;  // of each piece; one more ends the last
   std::vector<PieceCorner> corners_;
 };
-
-/// A box around a piece of `triangle`, wherever that is now.
-///
-/// A corner is off by half a step in u and in v, which moves it by less than the first summand of the margin,
-/// the rounding of steps and products included. Each of the two sums rounds by at most 2^-24 of a number that
-/// is no larger than the triangle's coordinates.
-inline Box3f box_of_piece(const Triangle& triangle, std::span<const PieceCorner> corners) {
-  const Vec3f e = triangle.v1 - triangle.v0, f = triangle.v2 - triangle.v0;
-  const Box3f whole = bounds_of(triangle);
-  Box3f box;
-  for (const PieceCorner& corner : corners) {
-    constexpr float step = 1.0f / 65535.0f;
-    const float u = step * static_cast<float>(corner.u), v = step * static_cast<float>(corner.v);
-    box = merge(box, triangle.v0 + u * e + v * f);
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    const float largest = std::max(std::abs(whole.lower[axis]), std::abs(whole.upper[axis]));
-    const float margin = 0x1p-16f * (std::abs(e[axis]) + std::abs(f[axis])) + 0x1p-22f * largest +
-                         std::numeric_limits<float>::min();
-    box.lower[axis] -= margin;
-    box.upper[axis] += margin;
-  }
-  return intersect(box, whole);
-}
 
 }  // namespace kerf

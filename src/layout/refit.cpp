@@ -6,9 +6,8 @@
 
 #include "base/parallel.hpp"
 #include "layout/collapse.hpp"
+#include "layout/move_leaves.hpp"
 #include "layout/wide_children.hpp"
-#include "math/coordinate_limit.hpp"
-#include "math/predicates.hpp"
 
 namespace kerf {
 namespace {
@@ -36,9 +35,9 @@ void write_triangle(const WideBvh& wide, ChildLink leaf, std::uint32_t i, const 
 template <class Node>
 class Refit {
  public:
-  Refit(const RefitBasis& basis, const MovedTriangles& moved, Target target, WideBvh& wide)
+  Refit(const RefitBasis& basis, const Geometry& geometry, Target target, WideBvh& wide)
       : basis_(basis),
-        moved_(moved),
+        geometry_(geometry),
         target_(target),
         wide_(wide),
         nodes_(const_cast<Node*>(wide.nodes<Node>())),
@@ -49,17 +48,29 @@ class Refit {
   bool move_leaves() {
     std::atomic<bool> all_have_area = true;
     for_blocks([&](std::uint32_t begin, std::uint32_t end) {
-      bool have_area = true;
-      for (std::uint32_t n = begin; n < end + 2; ++n) {  // what is read at random is fetched ahead
-        if (n < end) for_leaves(n, [&](ChildLink leaf, std::uint32_t) { prefetch_indices(leaf); });
-        if (n >= begin + 1 && n - 1 < end)
-          for_leaves(n - 1, [&](ChildLink leaf, std::uint32_t) { prefetch_corners(leaf); });
-        if (n >= begin + 2)
-          for_leaves(n - 2, [&](ChildLink leaf, std::uint32_t slot) {
-            have_area &= move_leaf(leaf, nodes_[n - 2], slot);
-          });
+      // The places in nodes of leaves that are moved together.
+      struct Slot {
+        std::uint32_t node, slot;
+      };
+      Slot slots[max_leaves_moved];
+      ChildLink leaves[max_leaves_moved];
+      MovedLeaf moved[max_leaves_moved];
+      std::uint32_t count = 0;
+      for (std::uint32_t n = begin; n < end; ++n) {
+        for_leaves(n, [&](ChildLink leaf, std::uint32_t slot) {
+          slots[count] = {n, slot};
+          leaves[count++] = leaf;
+        });
+        if (n + 1 < end && count + Node::width <= max_leaves_moved) continue;
+        kerf::move_leaves(target_, basis_.pieces, geometry_, wide_, {leaves, count}, moved);
+        for (std::uint32_t i = 0; i < count; ++i) {
+          if (!moved[i].box.empty()) set_box(nodes_[slots[i].node], slots[i].slot, moved[i].box);
+          if (moved[i].flat == 0) continue;
+          mark(leaves[i], moved[i].flat);
+          all_have_area = false;
+        }
+        count = 0;
       }
-      if (!have_area) all_have_area = false;
     });
     return all_have_area;
   }
@@ -149,13 +160,9 @@ class Refit {
     }
   }
 
-  void prefetch_indices(ChildLink leaf) const {
+  void mark(ChildLink leaf, std::uint32_t flat) const {
     for (std::uint32_t i = 0; i < leaf.count(); ++i)
-      moved_.geometry.prefetch_indices(triangle_id(wide_, leaf, i));
-  }
-  void prefetch_corners(ChildLink leaf) const {
-    for (std::uint32_t i = 0; i < leaf.count(); ++i)
-      moved_.geometry.prefetch_corners(triangle_id(wide_, leaf, i));
+      if ((flat >> i & 1) != 0) id_in(wide_, leaf, i) |= flat_bit;
   }
 
   static void set_box(Node& node, std::uint32_t slot, const Box3f& box) {
@@ -165,30 +172,8 @@ class Refit {
     }
   }
 
-  // Returns whether all triangles of the leaf have an area.
-  bool move_leaf(ChildLink leaf, Node& node, std::uint32_t slot) const {
-    const std::uint32_t divided = basis_.pieces.in_leaf(leaf);
-    bool have_area = true;
-    Box3f box;
-    for (std::uint32_t i = 0; i < leaf.count(); ++i) {
-      std::uint32_t& id = id_in(wide_, leaf, i);
-      const Triangle triangle = moved_.geometry.triangle(id);
-      write_triangle(wide_, leaf, i, triangle);
-      if ((!moved_.all_in_range && !is_in_range(triangle)) || is_degenerate(triangle)) {
-        id |= flat_bit;
-        have_area = false;
-        continue;
-      }
-      const auto corners =
-          (divided >> i & 1) != 0 ? basis_.pieces.corners(leaf, i) : std::span<const PieceCorner>();
-      box = merge(box, corners.empty() ? bounds_of(triangle) : box_of_piece(triangle, corners));
-    }
-    if (!box.empty()) set_box(node, slot, box);
-    return have_area;
-  }
-
   const RefitBasis& basis_;
-  const MovedTriangles& moved_;
+  const Geometry& geometry_;
   const Target target_;
   WideBvh& wide_;
   Node* const nodes_;
@@ -222,10 +207,10 @@ RefitBasis make_refit_basis(const WideBvh& wide, std::size_t triangles) {
   return basis;
 }
 
-bool refit(const RefitBasis& basis, const MovedTriangles& moved, Target target, WideBvh& wide,
+bool refit(const RefitBasis& basis, const Geometry& geometry, Target target, WideBvh& wide,
            std::vector<StandIn>& stand_ins) {
   return with_width(wide.width, [&](auto width) {
-    Refit<WideNode<width>> refit(basis, moved, target, wide);
+    Refit<WideNode<width>> refit(basis, geometry, target, wide);
     for (const auto& [leaf, i, id] : stand_ins) id_in(wide, leaf, i) = id;
     stand_ins.clear();
     if (!refit.move_leaves() && !refit.replace_flat_triangles(stand_ins)) return false;

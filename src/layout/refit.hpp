@@ -35,17 +35,13 @@ struct StandIn {
   std::uint32_t id;     ///< of the triangle whose place it is
 };
 
-/// Where the triangles are now, as many as before.
-struct MovedTriangles {
-  const Geometry& geometry;
-  bool all_in_range;  ///< otherwise those that are not are treated as those without area
-};
-
-/// Moves the triangles of `wide`, and the boxes with them. Its arrays must be writable and nobody else's.
-/// `stand_ins` are those of the last refit, and become those of this one. False if no triangle has an area:
-/// `wide` is worth nothing then. On all threads of the task arena that this is called in. Throws
-/// `std::bad_alloc`, after which `wide` is worth nothing either unless `stand_ins` are as they were.
-bool refit(const RefitBasis& basis, const MovedTriangles& moved, Target target, WideBvh& wide,
+/// Moves the triangles of `wide` to where those of `geometry` are, as many as before, and the boxes with
+/// them. Triangles with a coordinate that is too large are treated as those without area. The arrays of
+/// `wide` must be writable and nobody else's. `stand_ins` are those of the last refit, and become those of
+/// this one. False if no triangle has an area: `wide` is worth nothing then. On all threads of the task arena
+/// that this is called in. Throws `std::bad_alloc`, after which `wide` is worth nothing either unless
+/// `stand_ins` are as they were.
+bool refit(const RefitBasis& basis, const Geometry& geometry, Target target, WideBvh& wide,
            std::vector<StandIn>& stand_ins);
 
 /// The cost of a random ray through the root by the surface area heuristic, in visits of a wide node.

@@ -10,10 +10,10 @@
 
 #include <hwy/highway.h>
 
-#include "construction/load_corner-inl.h"
 #include "construction/sbvh/reference-inl.h"
 #include "math/clip.hpp"
 #include "simd/box-inl.h"
+#include "simd/triangle-inl.h"
 #include "tree/geometry.hpp"
 
 HWY_BEFORE_NAMESPACE();
