@@ -27,10 +27,11 @@ function camera() {
 function draw() {
   const width = Math.max(64, Math.min(900, Math.round(picture.clientWidth / 8) * 8)), height = Math.round((width * 0.62) / 8) * 8;
   if (picture.width !== width || picture.height !== height) {
-    const before = context.getImageData(0, 0, picture.width, picture.height);
+    const before = Object.assign(document.createElement('canvas'), { width: picture.width, height: picture.height });
+    before.getContext('2d').drawImage(picture, 0, 0);
     picture.width = width;
     picture.height = height;
-    context.putImageData(before, 0, 0);
+    context.drawImage(before, 0, 0, width, height);
   }
   worker.postMessage({ picture: { camera: camera(), width, height, mode: state.mode, number: ++number } });
   drawBoxes();
@@ -74,9 +75,14 @@ function facts(list) {
   }));
 }
 
+function showRows(...rows) {
+  $('table').tBodies[0].replaceChildren(...rows);
+  $('table').hidden = rows.length === 0;
+}
+
 function rebuild(mesh) {
   say('Building…');
-  $('table').tBodies[0].replaceChildren();
+  showRows();
   worker.postMessage({ mesh, build: { builder: state.builder, alpha: state.alpha }, level: state.level });
 }
 
@@ -120,7 +126,8 @@ worker.onmessage = ({ data }) => {
     const image = new ImageData(data.image, data.width, data.height);
     if (data.final) {
       context.putImageData(image, 0, 0);
-      say(`${data.count.toLocaleString('en')} rays in ${(1000 * data.seconds).toFixed(1)} ms: ${(data.count / data.seconds / 1e6).toFixed(2)} million a second`);
+      const time = data.seconds < 1 ? `${(1000 * data.seconds).toFixed(0)} ms` : `${data.seconds.toFixed(1)} s`;
+      say(`${data.count.toLocaleString('en')} rays in ${time}: ${(data.count / data.seconds / 1e6).toFixed(2)} million a second`);
       window.shown = { number: data.number, mode: data.mode };
     } else {
       createImageBitmap(image).then((bitmap) => {
@@ -130,9 +137,10 @@ worker.onmessage = ({ data }) => {
   }
   if (data.rows) {
     const cell = (value, digits = 0) => (value === undefined ? '–' : value.toLocaleString('en', { maximumFractionDigits: digits, minimumFractionDigits: digits }));
-    $('table').tBodies[0].replaceChildren(...data.rows.map((row) => {
+    const rate = (value) => value.toLocaleString('en', { maximumSignificantDigits: 2, minimumSignificantDigits: 2 });
+    showRows(...data.rows.map((row) => {
       const line = document.createElement('tr');
-      for (const text of [row.builder, cell(row.cost, 1), cell(row.references), cell(row.build), cell(row.steps, 1), cell(row.tests, 1), cell(row.rate, 2)])
+      for (const text of [row.builder, cell(row.cost, 1), cell(row.references), cell(row.build), cell(row.steps, 1), cell(row.tests, 1), rate(row.rate)])
         line.append(Object.assign(document.createElement('td'), { textContent: text }));
       return line;
     }));
@@ -183,17 +191,25 @@ const zoom = (factor) => {
   state.distance = Math.max(0.05, Math.min(8, state.distance * factor));
   draw();
 };
-let held = null;
+// The mouse or one finger turns, two fingers zoom.
+const held = new Map();
+const apart = () => {
+  const [a, b] = held.values();
+  return Math.hypot(a[0] - b[0], a[1] - b[1]);
+};
 picture.onpointerdown = (event) => {
-  held = [event.clientX, event.clientY];
+  held.set(event.pointerId, [event.clientX, event.clientY]);
   picture.setPointerCapture(event.pointerId);
 };
 picture.onpointermove = (event) => {
-  if (!held) return;
-  turn(-(event.clientX - held[0]) * 0.008, (event.clientY - held[1]) * 0.008);
-  held = [event.clientX, event.clientY];
+  const from = held.get(event.pointerId), to = [event.clientX, event.clientY];
+  if (!from) return;
+  const before = held.size === 2 ? apart() : 0;
+  held.set(event.pointerId, to);
+  if (held.size === 1) turn(-(to[0] - from[0]) * 0.008, (to[1] - from[1]) * 0.008);
+  else if (before > 0 && apart() > 0) zoom(before / apart());
 };
-picture.onpointerup = picture.onpointercancel = () => { held = null; };
+picture.onpointerup = picture.onpointercancel = (event) => held.delete(event.pointerId);
 picture.addEventListener('wheel', (event) => {
   event.preventDefault();
   zoom(Math.exp(event.deltaY * 0.001));

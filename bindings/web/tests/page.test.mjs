@@ -151,6 +151,43 @@ test('at the width of a phone, dark and light, nothing is cut off', { skip }, as
   }
 });
 
+test('two fingers zoom, and one turns', { skip }, async () => {
+  const { page, complaints } = await opened({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  await settled(page);
+  const session = await page.context().newCDPSession(page), front = await pixels(page);
+  // Points of the picture that are not of the background, which is in its corner.
+  const covered = () => page.evaluate(() => {
+    const canvas = document.getElementById('picture');
+    const words = new Uint32Array(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.buffer);
+    return words.filter((word) => word !== words[0]).length;
+  });
+  const touch = (type, ...places) => session.send('Input.dispatchTouchEvent', { type, touchPoints: places.map(([x, y], id) => ({ x, y, id })) });
+  const small = await covered();
+  await settled(page, async () => {
+    await touch('touchStart', [180, 230], [210, 230]);
+    await touch('touchMove', [165, 230], [225, 230]);
+    await touch('touchEnd');
+  });
+  await page.waitForTimeout(500);
+  assert.ok(await covered() > 1.5 * small);
+  await settled(page, async () => {
+    await touch('touchStart', [165, 230], [225, 230]);
+    await touch('touchMove', [180, 230], [210, 230]);
+    await touch('touchEnd');
+  });
+  await page.waitForTimeout(500);
+  assert.deepEqual(await pixels(page), front);
+  await settled(page, async () => {
+    await touch('touchStart', [180, 230]);
+    await touch('touchMove', [230, 230]);
+    await touch('touchEnd');
+  });
+  assert.notDeepEqual(await pixels(page), front);
+  assert.equal(await page.isVisible('.keys'), false); // nobody has keys there
+  assert.deepEqual(complaints, []);
+  await page.close();
+});
+
 test('axe-core has nothing serious against the page, dark and light', { skip }, async () => {
   for (const colorScheme of ['dark', 'light']) {
     const { page } = await opened({ colorScheme, bypassCSP: true });
