@@ -21,7 +21,7 @@ std::string format_scene(const MotionScene& scene, Emphasis emphasis, std::size_
   };
   for (const RayType type : ray_types) columns.push_back(speeds(results, type));
   std::string text = fold_text(fmt::format("{}: {} triangles, bent by up to {:g} % of the extent", scene.name,
-                                           scene.triangles, 100.0 * scene.amount),
+                                           format_count(scene.triangles), 100.0 * scene.amount),
                                max_width) +
                      format(columns, emphasis, max_width);
   for (const std::string& remark : scene.remarks) text += fold_text("Note: " + remark, max_width);

@@ -1,6 +1,7 @@
 // What the reports of all benchmarks share.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -36,12 +37,15 @@ Column figures(const std::vector<Result>& results, std::string head, const char*
   return column;
 }
 
-/// The speed of rays of one type.
+/// The speed of rays of one type, with digits that tell apart also the slow ones.
 template <class Result>
 Column speeds(const std::vector<Result>& results, RayType type) {
-  return figures(
-      results, fmt::format("{} Mrays/s", name(type)), "{:.2f}", true,
-      [type](const Result& result) { return result.rays[static_cast<std::size_t>(type)].speed(); });
+  const auto speed = [type](const Result& result) {
+    return result.rays[static_cast<std::size_t>(type)].speed();
+  };
+  const bool slow = std::any_of(results.begin(), results.end(),
+                                [&](const Result& result) { return speed(result).value_or(1.0) < 0.1; });
+  return figures(results, fmt::format("{} Mrays/s", name(type)), slow ? "{:.3g}" : "{:.2f}", true, speed);
 }
 
 /// A column of `text(result)`.

@@ -7,8 +7,10 @@
 #include <map>
 #include <memory>
 #include <numeric>
+#include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <kerf/inspect.hpp>
 
 #include "workbench/compare/device.hpp"
@@ -213,12 +215,15 @@ class Measurement {
           "thousands of nodes and triangles",
           rays_.width, rays_.height, options_.rays.width, options_.rays.height));
     }
-    std::map<std::string_view, double> sampled;  // a builder with several alphas is named once
+    std::set<std::string_view> sampled;  // a builder with several alphas is named once
+    double error = 0.0;
     for (const BuilderFigures& figures : result_.figures.builders) {
-      if (figures.epo_error > 0.0) sampled[figures.name] = std::max(sampled[figures.name], figures.epo_error);
+      if (figures.epo_error > 0.0) sampled.insert(figures.name);
+      error = std::max(error, figures.epo_error);
     }
-    for (const auto& [builder, error] : sampled) {
-      remark(fmt::format("the EPO of {} is from a sample, with a standard error of {:.1g}", builder, error));
+    if (!sampled.empty()) {
+      remark(fmt::format("the EPO of {} is from a sample, with a standard error of {:.1g} or less",
+                         fmt::join(sampled, ", "), error));
     }
   }
 

@@ -14,13 +14,14 @@ double same_decimal(float value) {
 }
 
 Json to_json(const RayFigures& rays) {
+  const auto speed = [&](double mrays_per_s) { return rays.count > 0 ? Json(mrays_per_s) : Json(); };
   return {{"count", rays.count},
           {"hits", rays.hits},
           {"steps", rays.steps},
           {"triangle_tests", rays.triangle_tests},
           {"leaf_visits", rays.leaf_visits},
-          {"mrays_per_s", rays.mrays_per_s},
-          {"median_mrays_per_s", rays.median_mrays_per_s}};
+          {"mrays_per_s", speed(rays.mrays_per_s)},
+          {"median_mrays_per_s", speed(rays.median_mrays_per_s)}};
 }
 
 Json to_json(const BuilderFigures& builder) {

@@ -11,7 +11,13 @@ namespace {
 
 std::string four_digits(double value) {
   const double size = std::abs(value);
+  if (size > 0.0 && size < 0.1) return fmt::format("{:.3g}", value);
   return fmt::format("{:.{}f}", value, size >= 1000.0 ? 0 : size >= 100.0 ? 1 : size >= 10.0 ? 2 : 3);
+}
+
+// A dash where no ray was traced.
+std::string speed(double mrays_per_s) {
+  return mrays_per_s == 0.0 ? "-" : four_digits(mrays_per_s);
 }
 
 std::string count(double value) {
@@ -48,7 +54,7 @@ constexpr std::array<Measure<RayFigures>, 3> ray_list{{
      [](const RayFigures& f) { return f.triangle_tests; }, four_digits},
     {"mrays_per_s", "Mrays/s",
      "Millions of rays per second that one thread traces without counting: the best of several rounds", true,
-     [](const RayFigures& f) { return f.mrays_per_s; }, four_digits},
+     [](const RayFigures& f) { return f.mrays_per_s; }, speed},
 }};
 
 }  // namespace
@@ -119,11 +125,6 @@ std::string format_alpha(float alpha) {
 
 std::string name_with_budget(const BuilderFigures& builder) {
   return fmt::format("{} {}", builder.name, builder.budget);
-}
-
-std::string format_count(std::size_t count) {
-  if (count < 1000) return fmt::format("{}", count);
-  return fmt::format("{},{:03}", format_count(count / 1000), count % 1000);
 }
 
 }  // namespace workbench

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "workbench/compare/compare.hpp"
+#include "workbench/terminal/table.hpp"
 
 namespace workbench {
 
@@ -43,8 +44,5 @@ std::string format_alpha(float alpha);
 
 /// What a builder is called where several budgets of references are compared: `sbvh 1.5`.
 std::string name_with_budget(const BuilderFigures& builder);
-
-/// 1234567 as `1,234,567`.
-std::string format_count(std::size_t count);
 
 }  // namespace workbench

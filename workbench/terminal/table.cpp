@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include <fmt/format.h>
+
 namespace workbench {
 namespace {
 
@@ -147,6 +149,11 @@ std::string format(const std::vector<Column>& columns, Emphasis emphasis, std::s
     text += format_block(block, emphasis);
   }
   return text;
+}
+
+std::string format_count(std::size_t count) {
+  if (count < 1000) return fmt::format("{}", count);
+  return fmt::format("{},{:03}", format_count(count / 1000), count % 1000);
 }
 
 std::string fold_text(const std::string& text, std::size_t max_width) {

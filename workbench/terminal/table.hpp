@@ -36,6 +36,9 @@ inline constexpr std::size_t default_columns = 80;
 std::string format(const std::vector<Column>& columns, Emphasis emphasis,
                    std::size_t max_width = default_columns);
 
+/// 1234567 as `1,234,567`.
+std::string format_count(std::size_t count);
+
 /// `text` on lines of at most `max_width` characters, divided at its blanks, each ended with a line break.
 std::string fold_text(const std::string& text, std::size_t max_width = default_columns);
 

@@ -148,6 +148,16 @@ TEST(Bench, RatiosAreGeometricMeansAndMinima) {
   EXPECT_EQ(ratios[0].peak_bytes_max, 1.0);
 }
 
+TEST(Bench, TheTableHasCommasInCountsAndDigitsInTheSlowestSpeeds) {
+  BenchScene scene = made_up("heap", 1.0);
+  scene.triangles = 100'000;
+  scene.references = 123'456;
+  scene.results[0].rays[0].mrays_per_s = 0.000213;
+  const std::string text = format_bench(std::span(&scene, 1), Emphasis::mark);
+  EXPECT_NE(text.find("100,000 triangles, 123,456 references"), std::string::npos) << text;
+  EXPECT_NE(text.find("0.000213"), std::string::npos) << text;
+}
+
 TEST(Bench, RemarksOnAPeerThatHitsMuchLess) {
   BenchScene scene = made_up("flat", 1.0);
   for (BenchResult& result : scene.results) {

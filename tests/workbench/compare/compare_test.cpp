@@ -6,6 +6,7 @@
 
 #include "support/brute_force.hpp"
 #include "support/instrumented.hpp"
+#include "workbench/compare/json.hpp"
 #include "workbench/compare/trace.hpp"
 #include "workbench/open/load_scene.hpp"
 
@@ -110,13 +111,31 @@ TEST(Compare, ASweepOverEqualTrianglesTracesFewRaysAndMeasuresEqualTreesOnce) {
   EXPECT_NE(figures.remark.find("not 64x64"), std::string::npos) << figures.remark;
 }
 
+TEST(Compare, SaysOnceOfWhichBuildersTheEpoIsFromASample) {
+  Scene heap{
+      .name = "heap", .vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .triangles = {}, .viewpoints = {}};
+  heap.triangles.assign(20'000, {0, 1, 2});
+  heap.viewpoints = {{.position = {0.3f, 0.3f, 2}, .target = {0.3f, 0.3f, 0}, .up = {0, 1, 0}}};
+  CompareOptions options = quick;
+  options.max_visits = 100'000;
+  const std::vector<Contender> both{{.name = "bvh", .options = {.builder = kerf::Builder::bvh}},
+                                    {.name = "sbvh", .options = {.builder = kerf::Builder::sbvh}}};
+  const std::string remark = compare(heap, both, options).figures.remark;
+  EXPECT_NE(remark.find("the EPO of bvh, sbvh is from a sample"), std::string::npos) << remark;
+}
+
 TEST(Compare, SaysWhereNoRayHitsAnything) {
   Scene line{
       .name = "line", .vertices = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, .triangles = {}, .viewpoints = {}};
   line.triangles = {{0, 1, 2}};
   line.viewpoints = {{.position = {0.3f, 0.3f, 2}, .target = {0.3f, 0.3f, 0}, .up = {0, 1, 0}}};
-  const std::string remark = compare(line, all_builders(), quick).figures.remark;
+  const SceneFigures figures = compare(line, all_builders(), quick).figures;
+  const std::string remark = figures.remark;
   EXPECT_NE(remark.find("no ray hits anything"), std::string::npos) << remark;
+  const auto rays = to_json(std::span(&figures, 1), "0.1.0")["scenes"][0]["builders"][0]["rays"];
+  EXPECT_GT(rays["primary"]["mrays_per_s"], 0.0);
+  EXPECT_TRUE(rays["ao"]["mrays_per_s"].is_null()) << "none was traced";
+  EXPECT_TRUE(rays["ao"]["median_mrays_per_s"].is_null());
   const std::string of_sticks =
       compare(load_scene("sticks:detail=0.01"), all_builders(), quick).figures.remark;
   EXPECT_EQ(of_sticks.find("no ray hits anything"), std::string::npos) << of_sticks;

@@ -11,11 +11,15 @@ TEST(Measures, TheBestIsMarkedAndNoneWhereAllAreEqual) {
   EXPECT_EQ(best_of({}, true), std::vector<bool>{});
 }
 
+TEST(Measures, SpeedsHaveDigitsHoweverSlowAndADashWhereNoRayWasTraced) {
+  const auto& speed = ray_measures().back();
+  EXPECT_EQ(speed.format(7.0712), "7.071");
+  EXPECT_EQ(speed.format(0.1712), "0.171");
+  EXPECT_EQ(speed.format(0.00021349), "0.000213");
+  EXPECT_EQ(speed.format(0.0), "-");
+}
+
 TEST(Measures, NumbersReadWell) {
-  EXPECT_EQ(format_count(0), "0");
-  EXPECT_EQ(format_count(999), "999");
-  EXPECT_EQ(format_count(1000), "1,000");
-  EXPECT_EQ(format_count(1000001), "1,000,001");
   EXPECT_EQ(format_ratio(1.0, 2.0), "0.50×");
   EXPECT_EQ(format_ratio(1.0, 0.0), "");
   EXPECT_EQ(format_alpha(0.0f), "0");

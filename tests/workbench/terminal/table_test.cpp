@@ -45,3 +45,10 @@ TEST(Table, WrapsALastColumnOfText) {
             "       fine columns\n"
             "b      short\n");
 }
+
+TEST(Table, CountsHaveACommaBeforeEachThousand) {
+  EXPECT_EQ(format_count(0), "0");
+  EXPECT_EQ(format_count(999), "999");
+  EXPECT_EQ(format_count(1000), "1,000");
+  EXPECT_EQ(format_count(1000001), "1,000,001");
+}
