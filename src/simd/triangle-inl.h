@@ -15,6 +15,7 @@
 
 #include "math/coordinate_limit.hpp"
 #include "simd/box-inl.h"
+#include "simd/lookup-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kerf {
@@ -39,11 +40,11 @@ HWY_INLINE Float4 load_corner(const TripleView<float>& vertices, std::uint32_t i
 // rounding can make of zero. Edges, products and their difference are each off by 2^-24 of themselves, and
 // products by the smallest float as well. Together that is less than 2^-21 of what is subtracted.
 HWY_INLINE bool has_area(Float4 a, Float4 b, Float4 c) {
-  alignas(16) static constexpr std::int32_t next_axis[4] = {1, 2, 0, 3};
-  const auto to_next = hn::SetTableIndices(f32x4, next_axis);
+  // The bytes of y, z, x and the fourth.
+  alignas(16) static constexpr std::uint8_t next[16] = {4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 12, 13, 14, 15};
   const Float4 u = hn::Sub(b, a), v = hn::Sub(c, a);
-  const Float4 plus = hn::Mul(u, hn::TableLookupLanes(v, to_next));
-  const Float4 minus = hn::Mul(hn::TableLookupLanes(u, to_next), v);
+  const Float4 plus = hn::Mul(u, lookup_bytes(v, next));
+  const Float4 minus = hn::Mul(lookup_bytes(u, next), v);
   const Float4 rounding = hn::Add(hn::Mul(hn::Add(hn::Abs(plus), hn::Abs(minus)), hn::Set(f32x4, 0x1p-20f)),
                                   hn::Set(f32x4, 0x1p-120f));
   const auto is_more = hn::Gt(hn::Abs(hn::Sub(plus, minus)), rounding);

@@ -18,6 +18,7 @@
 
 #include "simd/compress-inl.h"
 #include "simd/floats-inl.h"
+#include "simd/lookup-inl.h"
 #include "simd/targets.hpp"
 #include "traversal/rays/wide_ray-inl.h"
 #include "tree/binary_tree.hpp"
@@ -153,12 +154,6 @@ constexpr std::array<WordShuffle, 16> front_words = [] {
   }
   return table;
 }();
-template <class V>
-HWY_INLINE V shuffle_words(V v, const WordShuffle& shuffle) {
-  const hn::DFromV<V> tag;
-  const hn::Repartition<std::uint8_t, hn::DFromV<V>> bytes;
-  return hn::BitCast(tag, hn::TableLookupBytes(hn::BitCast(bytes, v), hn::Load(bytes, shuffle.byte)));
-}
 #endif
 
 // Pushes the children in `met`, the nearest last, and returns it in `nearest`; for `any_hit`, the last
@@ -197,14 +192,14 @@ HWY_INLINE void push_children(const Node& node, const Spans& spans, std::uint32_
   const hn::RebindToUnsigned<NodeFloats::Tag> integers;
   const auto links = hn::LoadU(integers, reinterpret_cast<const std::uint32_t*>(node.children));
   if constexpr (any_hit) {
-    hn::StoreU(shuffle_words(links, front_words[met]), integers, stack.link + depth);
+    hn::StoreU(lookup_bytes(links, front_words[met].byte), integers, stack.link + depth);
   } else {
     const WordShuffle& order = far_to_near_words[node.order[octant]];
-    const auto first = shuffle_words(spans.first.vector[0], order),
-               last = shuffle_words(spans.last.vector[0], order);
+    const auto first = lookup_bytes(spans.first.vector[0], order.byte),
+               last = lookup_bytes(spans.last.vector[0], order.byte);
     const WordShuffle& front = front_words[bits(floats, hn::Le(first, last))];
-    hn::StoreU(shuffle_words(shuffle_words(links, order), front), integers, stack.link + depth);
-    hn::StoreU(shuffle_words(first, front), floats, stack.t + depth);
+    hn::StoreU(lookup_bytes(lookup_bytes(links, order.byte), front.byte), integers, stack.link + depth);
+    hn::StoreU(lookup_bytes(first, front.byte), floats, stack.t + depth);
   }
   depth += static_cast<std::size_t>(std::popcount(met));
   nearest = stack.link[depth == 0 ? 0 : depth - 1];

@@ -21,6 +21,7 @@
 #include "math/ray_box.hpp"
 #include "math/ray_triangle.hpp"
 #include "simd/floats-inl.h"
+#include "simd/lookup-inl.h"
 #include "simd/targets.hpp"
 #include "traversal/node-inl.h"
 #include "traversal/rays/prepared_ray.hpp"
@@ -204,11 +205,7 @@ HWY_INLINE bool set_up(const Ray& ray, const WideBvh& bvh, WideRay& out) {
   const auto kz = static_cast<std::uint32_t>(std::bit_width(three_bits(hn::Eq(absolute, largest)))) - 1;
   const ShearAxes& axes = shear_axes[2 * kz + ((out.octant >> kz) & 1)];
   out.axis = axes.axis;
-  const hn::Repartition<std::uint8_t, FloatTag4> bytes;
-  const auto order = hn::Load(bytes, axes.byte);
-  const auto along_axes = [&](Float4 v) HWY_ATTR {
-    return hn::BitCast(tag, hn::TableLookupBytes(hn::BitCast(bytes, v), order));
-  };
+  const auto along_axes = [&](Float4 v) HWY_ATTR { return lookup_bytes(v, axes.byte); };
   hn::Store(along_axes(o), tag, out.origin);
   const Float4 turned = along_axes(d);
   const Float4 quotients =
