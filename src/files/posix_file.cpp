@@ -148,10 +148,12 @@ void InputFile::read_block(std::span<std::byte> bytes, std::uint64_t offset) con
 }
 
 std::shared_ptr<const std::byte> InputFile::map() const {
-  void* memory = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, static_cast<int>(handle_), 0);
+  const auto bytes = static_cast<std::size_t>(size_);
+  if (bytes != size_) fail(path_, "cannot be mapped", EFBIG);
+  void* memory = ::mmap(nullptr, bytes, PROT_READ, MAP_PRIVATE, static_cast<int>(handle_), 0);
   if (memory == MAP_FAILED) fail(path_, "cannot be mapped", errno);
   return {static_cast<const std::byte*>(memory),
-          [bytes = size_](const std::byte* mapped) { ::munmap(const_cast<std::byte*>(mapped), bytes); }};
+          [bytes](const std::byte* mapped) { ::munmap(const_cast<std::byte*>(mapped), bytes); }};
 }
 
 void replace_file(const std::filesystem::path& path, std::span<const std::span<const std::byte>> pieces) {

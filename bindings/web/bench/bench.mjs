@@ -1,25 +1,28 @@
 // kerf-bvh beside three-mesh-bvh: the same meshes, rays and points in one run, interleaved, the best of several.
 //
-// usage: node bench/bench.mjs [--repeats N] [--rays N] [--json FILE] [MODEL...]
+// usage: node bench/bench.mjs [--browser] [--repeats N] [--rays N] [--json FILE] [MODEL...]
 //
 // A model is torus, beams, or a file: .obj, .ply, .stl. `:30` behind it turns it by 30 degrees about all axes.
-import { readFileSync, writeFileSync } from 'node:fs';
-import { cpus } from 'node:os';
+// `--browser` runs it in a page of headless Chromium.
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { cpus, tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import * as THREE from 'three';
-import { AVERAGE, CENTER, MeshBVH, SAH, acceleratedRaycast as theirRaycast } from 'three-mesh-bvh';
-import { Bvh, init, none } from '../dist/index.js';
-import { acceleratedRaycast, GeometryBvh, meshOf } from '../dist/three.js';
-import { buildMeshBVH } from '../dist/three-mesh-bvh.js';
-import { beams, boundsOf, corners, cross, dot, random, sub, torus } from '../tests/support/meshes.mjs';
+import { beams, torus } from '../tests/support/meshes.mjs';
+import { launch, serve } from '../tests/support/browser.mjs';
+import { raceModel } from './race.mjs';
 
 const { values, positionals } = parseArgs({
   allowPositionals: true,
-  options: { repeats: { type: 'string', default: '3' }, rays: { type: 'string', default: '20000' }, json: { type: 'string' } },
+  options: {
+    browser: { type: 'boolean', default: false }, repeats: { type: 'string', default: '3' },
+    rays: { type: 'string', default: '20000' }, json: { type: 'string' },
+  },
 });
 const repeats = Number(values.repeats), rayCount = Number(values.rays);
 const models = positionals.length ? positionals : ['torus', 'beams'];
-const strategies = { CENTER, AVERAGE, SAH };
 
 async function geometryOf(model) {
   const [name, angle] = model.split(':');
@@ -57,155 +60,58 @@ function readObj(text) {
   return geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(index), 1));
 }
 
-const copyOf = (geometry) => {
-  const copy = new THREE.BufferGeometry().setAttribute('position', geometry.attributes.position);
-  return geometry.index ? copy.setIndex(geometry.index.clone()) : copy;
-};
-
-/** Runs all once more each time, in turns; the shortest time of each, in seconds. */
-function race(runs) {
-  const best = Object.fromEntries(Object.keys(runs).map((name) => [name, Infinity]));
-  for (let i = 0; i < repeats; ++i) {
-    for (const [name, run] of Object.entries(runs)) {
-      const begin = performance.now();
-      run();
-      best[name] = Math.min(best[name], (performance.now() - begin) / 1000);
-    }
-  }
-  return best;
+/** `raceModel` in a page of Chromium, and what to call when all is done. */
+async function openBrowser() {
+  const folder = mkdtempSync(join(tmpdir(), 'kerf-bench-')), web = fileURLToPath(new URL('..', import.meta.url));
+  const imports = { three: '/web/node_modules/three/build/three.module.js', 'three-mesh-bvh': '/web/node_modules/three-mesh-bvh/build/index.module.js' };
+  writeFileSync(join(folder, 'index.html'), `<!doctype html><script type="importmap">${JSON.stringify({ imports })}</script>`);
+  const { server, root } = await serve({ '/web/': web, '/': folder }), browser = await launch(), page = await browser.newPage();
+  page.setDefaultTimeout(0);
+  await page.goto(`${root}/index.html`);
+  const race = (geometry, rays, times) => {
+    writeFileSync(join(folder, 'positions'), new Uint8Array(geometry.attributes.position.array.buffer));
+    if (geometry.index) writeFileSync(join(folder, 'index'), new Uint8Array(Uint32Array.from(geometry.index.array).buffer));
+    return page.evaluate(async ([indexed, rays, times]) => {
+      const { raceModel } = await import('/web/bench/race.mjs');
+      const { BufferAttribute, BufferGeometry } = await import('three');
+      const numbers = async (file) => (await fetch(`/${file}`)).arrayBuffer();
+      const geometry = new BufferGeometry();
+      geometry.setAttribute('position', new BufferAttribute(new Float32Array(await numbers('positions')), 3));
+      if (indexed) geometry.setIndex(new BufferAttribute(new Uint32Array(await numbers('index')), 1));
+      return raceModel(geometry, rays, times);
+    }, [geometry.index !== null, rays, times]);
+  };
+  const close = async () => {
+    await browser.close();
+    server.close();
+    rmSync(folder, { recursive: true });
+  };
+  return { race, close, name: `Chromium ${browser.version()}` };
 }
 
-/** From points in the box of a mesh: half in tiles as a camera makes them, half from where those hit, in any direction. */
-function raysOf(mesh, bvh) {
-  const { lower, upper } = boundsOf(mesh), next = random(11), rays = new Float32Array(6 * rayCount);
-  const primary = rayCount / 2, tile = 64, views = 8;
-  for (let i = 0; i < primary; ++i) {
-    const view = Math.floor((i * views) / primary), within = i % Math.ceil(primary / views);
-    const from = random(100 + view), eye = lower.map((l, k) => l + (upper[k] - l) * (0.2 + 0.6 * from()));
-    const phi = 2 * Math.PI * from(), x = (within % tile) / tile - 0.5, y = Math.floor(within / tile) / tile - 0.5;
-    const direction = [Math.cos(phi) - x * Math.sin(phi), Math.sin(phi) + x * Math.cos(phi), y];
-    const length = Math.hypot(...direction);
-    rays.set([...eye, ...direction.map((d) => d / length)], 6 * i);
-  }
-  const hits = bvh.intersectMany(rays.subarray(0, 6 * primary));
-  for (let i = 0; i < primary; ++i) {
-    const origin = rays.subarray(6 * i, 6 * i + 3), d = rays.subarray(6 * i + 3, 6 * i + 6);
-    const t = hits.triangle[i] === none ? 0 : hits.t[i] * (1 - 1e-4);
-    let direction;
-    do direction = [next() * 2 - 1, next() * 2 - 1, next() * 2 - 1];
-    while (Math.hypot(...direction) > 1 || Math.hypot(...direction) < 0.1);
-    const length = Math.hypot(...direction);
-    rays.set([...origin.map((o, k) => o + t * d[k]), ...direction.map((x) => x / length)], 6 * (primary + i));
-  }
-  return rays;
-}
-
-/** Whether a ray clearly hits a triangle, in doubles: not near an edge, not nearly along its plane. */
-function clearlyHits(mesh, triangle, ray) {
-  const origin = [...ray.subarray(0, 3)], direction = [...ray.subarray(3, 6)];
-  const [a, b, c] = corners(mesh, triangle).map((p) => sub(p, origin));
-  const v = [dot(direction, cross(b, c)), dot(direction, cross(c, a)), dot(direction, cross(a, b))];
-  const sum = v[0] + v[1] + v[2];
-  return v.every((x) => x / sum > 1e-4) && dot(cross(sub(b, a), sub(c, a)), a) / sum > 1e-6;
-}
-
-await init();
 const version = (name) => JSON.parse(readFileSync(new URL(`../node_modules/${name}/package.json`, import.meta.url), 'utf8')).version;
-const report = {
-  cpu: cpus()[0].model.trim(), node: process.version, three: version('three'), 'three-mesh-bvh': version('three-mesh-bvh'), models: [],
-};
-console.log(`${report.cpu}, Node ${report.node}, three ${report.three}, three-mesh-bvh ${report['three-mesh-bvh']}\n`);
+const { race, close, name } = values.browser ? await openBrowser() : { race: raceModel, close: () => {}, name: `Node ${process.version}` };
+const report = { cpu: cpus()[0].model.trim(), engine: name, three: version('three'), 'three-mesh-bvh': version('three-mesh-bvh'), models: [] };
+console.log(`${report.cpu}, ${name}, three ${report.three}, three-mesh-bvh ${report['three-mesh-bvh']}\n`);
 
+const best = (times) => Math.min(times.CENTER, times.AVERAGE, times.SAH);
 for (const model of models) {
-  const geometry = await geometryOf(model), mesh = meshOf(geometry);
-  mesh.index ??= new Uint32Array(mesh.positions.length / 3).map((_, i) => i);
-  const triangles = mesh.index.length / 3;
-
-  const theirs = {};
-  const build = race({
-    ...Object.fromEntries(Object.entries(strategies).map(([name, strategy]) => [name, () => {
-      theirs[name] = new MeshBVH(copyOf(geometry), { strategy });
-    }])),
-    kerf: () => Bvh.build(mesh).dispose(),
-    'kerf, no splits': () => Bvh.build(mesh, { builder: 'bvh' }).dispose(),
-  });
-  const ours = new GeometryBvh(geometry, Bvh.build(mesh));
-  const packed = buildMeshBVH(copyOf(geometry));
-
-  const numbers = raysOf(mesh, ours.bvh), material = new THREE.MeshBasicMaterial({ side: THREE.DoubleSide });
-  const rays = Array.from({ length: rayCount }, (_, i) => new THREE.Ray(
-    new THREE.Vector3(...numbers.subarray(6 * i, 6 * i + 3)), new THREE.Vector3(...numbers.subarray(6 * i + 3, 6 * i + 6))));
-  const through = (tree, raycast) => {
-    const object = new THREE.Mesh(tree.geometry, material), caster = new THREE.Raycaster();
-    object.raycast = raycast;
-    object.updateMatrixWorld();
-    tree.geometry.boundsTree = tree;
-    caster.firstHitOnly = true;
-    return () => {
-      let hits = 0;
-      for (const ray of rays) {
-        caster.ray = ray;
-        hits += caster.intersectObject(object).length;
-      }
-      return hits;
-    };
-  };
-  const each = (run) => Object.fromEntries(Object.entries(theirs).map(([name, tree]) => [name, run(tree)]));
-  const first = race({ ...each((tree) => through(tree, theirRaycast)), kerf: through(ours, acceleratedRaycast),
-    'their calls on kerf\'s tree': through(packed, theirRaycast) });
-  const bare = (tree) => () => { for (const ray of rays) tree.raycastFirst(ray, THREE.DoubleSide); };
-  const many = race({ ...each(bare), kerf: () => ours.bvh.intersectMany(numbers) });
-
-  const points = numbers.filter((_, i) => i % 6 < 3).slice(0, 3 * Math.floor(rayCount / 2));
-  const vectors = Array.from({ length: points.length / 3 }, (_, i) => new THREE.Vector3(...points.subarray(3 * i, 3 * i + 3)));
-  const next = random(5);
-  for (const vector of vectors) vector.add(new THREE.Vector3(next(), next(), next()).subScalar(0.5).multiplyScalar(0.1));
-  vectors.forEach((vector, i) => points.set(vector.toArray(), 3 * i));
-  const target = {};
-  const nearest = (tree) => () => { for (const vector of vectors) tree.closestPointToPoint(vector, target); };
-  const closest = race({ ...each(nearest), kerf: nearest(ours), 'kerf, many': () => ours.bvh.closestPointMany(points) });
-
-  // Boxes as large as a twentieth of the model: the triangles in them.
-  const { lower, upper } = boundsOf(mesh), box = new THREE.Box3(), size = new THREE.Vector3(...sub(upper, lower)).multiplyScalar(0.05);
-  const shapecast = (tree) => () => {
-    for (const vector of vectors.slice(0, 4000)) {
-      box.setFromCenterAndSize(vector, size);
-      tree.shapecast({ intersectsBounds: (bounds) => box.intersectsBox(bounds), intersectsTriangle: (triangle) => (box.intersectsTriangle(triangle), false) });
-    }
-  };
-  // Spheres that just reach the surface.
-  const sphere = new THREE.Sphere();
-  const spheres = (tree) => () => { for (const vector of vectors) tree.intersectsSphere(sphere.set(vector, 0.05)); };
-  const shapes = race({ SAH: shapecast(theirs.SAH), 'kerf\'s tree': shapecast(packed), 'SAH, rays': bare(theirs.SAH), 'kerf\'s tree, rays': bare(packed),
-    'SAH, spheres': spheres(theirs.SAH), 'kerf\'s tree, spheres': spheres(packed) });
-
-  // Hits that are missed: where one finds nothing and another a triangle, that triangle decides.
-  const hits = ours.bvh.intersectMany(numbers), missed = { kerf: 0, ...each(() => 0) };
-  const whole = copyOf(geometry), numbered = new MeshBVH(whole, { strategy: SAH, indirect: true });
-  rays.forEach((ray, i) => {
-    const found = each((tree) => tree.raycastFirst(ray, THREE.DoubleSide) !== null);
-    found.kerf = hits.triangle[i] !== none;
-    const names = Object.keys(found);
-    if (names.every((name) => found[name]) || names.every((name) => !found[name])) return;
-    const triangle = found.kerf ? hits.triangle[i] : numbered.raycastFirst(ray, THREE.DoubleSide)?.faceIndex;
-    if (triangle === undefined || !clearlyHits(mesh, triangle, numbers.subarray(6 * i, 6 * i + 6))) return;
-    for (const name of names) if (!found[name]) ++missed[name];
-  });
-
-  const best = (times) => Math.min(times.CENTER, times.AVERAGE, times.SAH);
-  const rate = (count, seconds) => `${(count / seconds / 1e6).toFixed(3)} M/s`;
-  console.log(`${model}: ${triangles} triangles, ${rayCount} rays, ${vectors.length} points`);
+  const result = await race(await geometryOf(model), rayCount, repeats), { triangles, rays, points, build, first, many, closest, shapes } = result;
+  const each = (times, text) => Object.fromEntries(Object.entries(times).map(([who, seconds]) => [who, text(seconds)]));
+  const rate = (count) => (seconds) => `${(count / seconds / 1e6).toFixed(3)} M/s`;
+  const factor = (times, who = 'kerf') => ({ factor: (best(times) / times[who]).toFixed(2) });
+  console.log(`${model}: ${triangles} triangles, ${rays} rays, ${points} points`);
   console.table({
-    build: { ...Object.fromEntries(Object.entries(build).map(([k, s]) => [k, `${(1000 * s).toFixed(0)} ms`])), factor: (best(build) / build.kerf).toFixed(2) },
-    'raycaster, first hit': { ...Object.fromEntries(Object.entries(first).map(([k, s]) => [k, rate(rayCount, s)])), factor: (best(first) / first.kerf).toFixed(2) },
-    'many rays': { ...Object.fromEntries(Object.entries(many).map(([k, s]) => [k, rate(rayCount, s)])), factor: (best(many) / many.kerf).toFixed(2) },
-    'closest point': { ...Object.fromEntries(Object.entries(closest).map(([k, s]) => [k, rate(vectors.length, s)])), factor: (best(closest) / closest.kerf).toFixed(2) },
-    'closest points': { factor: (best(closest) / closest['kerf, many']).toFixed(2) },
+    build: { ...each(build, (seconds) => `${(1000 * seconds).toFixed(0)} ms`), ...factor(build) },
+    'raycaster, first hit': { ...each(first, rate(rays)), ...factor(first) },
+    'many rays': { ...each(many, rate(rays)), ...factor(many) },
+    'closest point': { ...each(closest, rate(points)), ...factor(closest) },
+    'closest points': factor(closest, 'kerf, many'),
   });
-  console.log('their calls on kerf\'s tree over their SAH tree: shapecast', (shapes.SAH / shapes['kerf\'s tree']).toFixed(2), 'rays',
-    (shapes['SAH, rays'] / shapes['kerf\'s tree, rays']).toFixed(2), 'spheres', (shapes['SAH, spheres'] / shapes['kerf\'s tree, spheres']).toFixed(2));
-  console.log('clear hits missed', missed, '\n');
-  report.models.push({ model, triangles, build, first, many, closest, shapes, missed, rays: rayCount, points: vectors.length });
-  ours.dispose();
+  const theirs = (what) => (shapes[`SAH${what}`] / shapes[`kerf's tree${what}`]).toFixed(2);
+  console.log(`their calls on kerf's tree over their SAH tree: shapecast ${theirs('')} rays ${theirs(', rays')} spheres ${theirs(', spheres')}`);
+  console.log('clear hits missed', result.missed, '\n');
+  report.models.push({ model, ...result });
 }
+await close();
 if (values.json) writeFileSync(values.json, JSON.stringify(report, null, 1));
