@@ -1,5 +1,6 @@
 // A refit hierarchy against a build of the moved mesh.
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -260,6 +261,25 @@ TEST(Refit, IsTheSameOnAnyNumberOfThreadsAndInstructionSet) {
       if (expected.empty()) expected = bytes;
       EXPECT_TRUE(bytes == expected);
     }
+  });
+}
+
+// Thirteen bytes from one to the next, so that most are at addresses of no float; nothing behind the last.
+TEST(Refit, VerticesMayLieAtAnyAddress) {
+  kerf_tests::Mesh mesh = kerf_tests::large_among_small(100);
+  const Bvh before = build(mesh.mesh(), spatial_splits_everywhere());
+  move_vertices(mesh, [](const Vec3f& v) { return bent(v, 1.0f); });
+  constexpr std::size_t stride = sizeof(Vec3f) + 1;
+  const std::size_t count = mesh.vertices.size();
+  std::vector<std::byte> bytes(stride * count);
+  std::byte* const first = bytes.data() + 1;
+  for (std::size_t i = 0; i < count; ++i) std::memcpy(first + stride * i, &mesh.vertices[i], sizeof(Vec3f));
+  const TriangleMesh scattered{{static_cast<const void*>(first), count, stride}, mesh.triangles};
+  kerf_tests::for_each_target([&](const Target&) {
+    Bvh expected = before, found = before;
+    refit(expected, mesh.mesh());
+    refit(found, scattered);
+    EXPECT_TRUE(bytes_of(found) == bytes_of(expected));
   });
 }
 

@@ -35,11 +35,12 @@ struct Addresses {
   const std::byte* corner[3];
 };
 
-// With anything that is a number where the third is in the fourth lane.
+// The third number once more in the fourth lane. The address may be that of no float.
 HWY_INLINE Float4 load_vertex(const std::byte* at) {
   constexpr hn::FixedTag<float, 2> f32x2;
-  const auto* const from = reinterpret_cast<const float*>(at);
-  return hn::Combine(f32x4, hn::Set(f32x2, from[2]), hn::LoadU(f32x2, from));
+  float third;
+  std::memcpy(&third, at + 2 * sizeof(float), sizeof third);
+  return hn::Combine(f32x4, hn::Set(f32x2, third), hn::LoadU(f32x2, reinterpret_cast<const float*>(at)));
 }
 
 // The corners of a box as they are.
