@@ -171,6 +171,11 @@ def cxx17_is_one_error_that_names_the_remedy(source, room):
     expect(output.count("error: ") == 1 and "-std=c++20" in output, output)
 
 
+def documents_are_checked_where_there_is_no_git(source, room):
+    here = copy(source, room / "kerf")
+    run(sys.executable, here / "scripts/check-docs", folder=room, environment={**os.environ, "PATH": str(room)})
+
+
 def every_option_stands_in_the_table(source, _):
     text = (source / "docs/install.md").read_text()
     cmake = [source / "CMakeLists.txt", source / "cmake/KerfEmbree.cmake"]
