@@ -123,7 +123,7 @@ HWY_NOINLINE ObjectSplit sweep(const Reference* references, std::uint32_t count)
 
 // The places of references in the order of their doubled centroids along the axes, one axis per lane.
 struct SweepOrder {
-  alignas(16) float keys[sweep_limit + 1][4];
+  alignas(16) float keys[sweep_limit][4];
   alignas(16) std::uint32_t numbers[sweep_limit][4];
 };
 
