@@ -35,62 +35,46 @@ struct Addresses {
   const std::byte* corner[3];
 };
 
-// The third number once more in the fourth lane. The address may be that of no float.
-HWY_INLINE Float4 load_vertex(const std::byte* at) {
+// As `load_corner`, from an address, which may be that of no float. The third number is in the fourth lane as
+// well.
+HWY_INLINE Float4 corner_at(const std::byte* at) {
   constexpr hn::FixedTag<float, 2> f32x2;
   float third;
   std::memcpy(&third, at + 2 * sizeof(float), sizeof third);
-  return hn::Combine(f32x4, hn::Set(f32x2, third), hn::LoadU(f32x2, reinterpret_cast<const float*>(at)));
+  const Float4 corner =
+      hn::Combine(f32x4, hn::Set(f32x2, third), hn::LoadU(f32x2, reinterpret_cast<const float*>(at)));
+  return hn::Add(corner, hn::Zero(f32x4));
 }
 
-// The corners of a box as they are.
-struct Extent {
-  Float4 lower, upper;
-};
-HWY_INLINE Extent nothing() {
-  return {hn::Set(f32x4, infinity), hn::Set(f32x4, -infinity)};
-}
-HWY_INLINE Extent merge(const Extent& extent, Float4 lower, Float4 upper) {
-  return {hn::Min(extent.lower, lower), hn::Max(extent.upper, upper)};
-}
-
-// A box around a piece of the triangle (a, b, c), wherever that is now.
+// A box around a piece of the triangle (a, b, c), wherever that is now; `whole` is around all of it.
 //
 // A corner is off by half a step in u and in v, which moves it by less than the first summand of the margin,
 // the rounding of steps and products included. Each of the two sums rounds by at most 2^-24 of a number that
 // is no larger than the triangle's coordinates.
-HWY_INLINE Extent box_of_piece(Float4 a, Float4 b, Float4 c, std::span<const PieceCorner> corners) {
+HWY_INLINE SimdBox box_of_piece(Float4 a, Float4 b, Float4 c, const SimdBox& whole,
+                                std::span<const PieceCorner> corners) {
   constexpr float step = 1.0f / 65535.0f;
   const Float4 e = hn::Sub(b, a), f = hn::Sub(c, a);
-  Extent box = nothing();
+  Float4 lower = hn::Set(f32x4, infinity), upper = hn::Neg(lower);
   for (const PieceCorner& corner : corners) {
     const Float4 u = hn::Set(f32x4, step * static_cast<float>(corner.u)),
                  v = hn::Set(f32x4, step * static_cast<float>(corner.v));
     const Float4 point = hn::Add(hn::Add(a, hn::Mul(u, e)), hn::Mul(v, f));
-    box = merge(box, point, point);
+    lower = hn::Min(lower, point);
+    upper = hn::Max(upper, point);
   }
-  const Float4 lowest = hn::Min(hn::Min(a, b), c), highest = hn::Max(hn::Max(a, b), c);
-  const Float4 margin =
-      hn::Add(hn::Add(hn::Mul(hn::Set(f32x4, 0x1p-16f), hn::Add(hn::Abs(e), hn::Abs(f))),
-                      hn::Mul(hn::Set(f32x4, 0x1p-22f), hn::Max(hn::Abs(lowest), hn::Abs(highest)))),
-              hn::Set(f32x4, std::numeric_limits<float>::min()));
-  box.lower = hn::Max(hn::Sub(box.lower, margin), lowest);
-  box.upper = hn::Min(hn::Add(box.upper, margin), highest);
-  return box;
-}
-
-Triangle triangle_at(const Addresses& addresses) {
-  Triangle triangle;
-  Vec3f* const corners[3] = {&triangle.v0, &triangle.v1, &triangle.v2};
-  for (int k = 0; k < 3; ++k) std::memcpy(corners[k], addresses.corner[k], sizeof(Vec3f));
-  return triangle;
+  const Float4 largest = hn::Max(hn::Abs(lower_of(whole)), hn::Abs(negated_upper_of(whole)));
+  const Float4 margin = hn::Add(hn::Add(hn::Mul(hn::Set(f32x4, 0x1p-16f), hn::Add(hn::Abs(e), hn::Abs(f))),
+                                        hn::Mul(hn::Set(f32x4, 0x1p-22f), largest)),
+                                hn::Set(f32x4, std::numeric_limits<float>::min()));
+  return intersect(from_halves(hn::Sub(lower, margin), hn::Neg(hn::Add(upper, margin))), whole);
 }
 
 HWY_INLINE MovedLeaf move_leaf(const Pieces& pieces, const WideBvh& wide, ChildLink leaf,
                                const Addresses* triangles) {
   const std::uint32_t count = leaf.count(), divided = pieces.in_leaf(leaf);
   auto* const words = const_cast<std::uint32_t*>(leaf_words(wide, leaf));
-  Extent box = nothing();
+  SimdBox box = empty_box();
   std::uint32_t flat = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto [at_a, at_b, at_c] = triangles[i].corner;
@@ -99,27 +83,19 @@ HWY_INLINE MovedLeaf move_leaf(const Pieces& pieces, const WideBvh& wide, ChildL
       for (std::size_t axis = 0; axis < 3; ++axis, word += count)
         std::memcpy(word, at + axis * sizeof(float), sizeof(float));
     }
-    const Float4 a = load_vertex(at_a), b = load_vertex(at_b), c = load_vertex(at_c);
-    if (!is_in_range(a, b, c) || (!has_area(a, b, c) && is_degenerate(triangle_at(triangles[i])))) {
+    const Float4 a = corner_at(at_a), b = corner_at(at_b), c = corner_at(at_c);
+    if (!is_in_range(a, b, c) || (!has_area(a, b, c) && is_degenerate(triangle_in(wide, leaf, i)))) {
       flat |= 1u << i;
       continue;
     }
+    SimdBox bounds = bounds_of(a, b, c);
     if ((divided >> i & 1) != 0) {
       const auto piece = pieces.corners(leaf, i);
-      if (!piece.empty()) {
-        const Extent part = box_of_piece(a, b, c, piece);
-        box = merge(box, part.lower, part.upper);
-        continue;
-      }
+      if (!piece.empty()) bounds = box_of_piece(a, b, c, bounds, piece);
     }
-    box = merge(box, hn::Min(hn::Min(a, b), c), hn::Max(hn::Max(a, b), c));
+    box = merge(box, bounds);
   }
-  if (flat == (1u << count) - 1) return {Box3f(), flat};
-  // Negative zeros become positive: instruction sets disagree about which zero is the smaller one.
-  alignas(16) float lower[4], upper[4];
-  hn::Store(hn::Add(box.lower, hn::Zero(f32x4)), f32x4, lower);
-  hn::Store(hn::Add(box.upper, hn::Zero(f32x4)), f32x4, upper);
-  return {{{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}, flat};
+  return {to_box3f(box), flat};
 }
 
 void move_leaves(const Pieces& pieces, const Geometry& geometry, const WideBvh& wide,

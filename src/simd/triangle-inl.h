@@ -21,19 +21,19 @@ HWY_BEFORE_NAMESPACE();
 namespace kerf {
 namespace HWY_NAMESPACE {
 
-// The coordinates as they are, and anything in the fourth lane.
-HWY_INLINE Float4 load_vertex(const TripleView<float>& vertices, std::uint32_t index) {
-  const std::byte* const at = vertices.data() + index * vertices.stride();
-  if (index + 1 < vertices.size() && vertices.stride() >= 4)  // reading a fourth float is safe
-    return hn::LoadU(f32x4, reinterpret_cast<const float*>(at));
-  alignas(16) float copy[4] = {};
-  std::memcpy(copy, at, 3 * sizeof(float));
-  return hn::Load(f32x4, copy);
-}
-
-// Negative zeros become positive: instruction sets disagree about which zero is the smaller one.
+// Anything in the fourth lane. Negative zeros become positive: instruction sets disagree about which zero is
+// the smaller one.
 HWY_INLINE Float4 load_corner(const TripleView<float>& vertices, std::uint32_t index) {
-  return hn::Add(load_vertex(vertices, index), hn::Zero(f32x4));
+  const std::byte* const at = vertices.data() + index * vertices.stride();
+  Float4 corner;
+  if (index + 1 < vertices.size() && vertices.stride() >= 4) {  // reading a fourth float is safe
+    corner = hn::LoadU(f32x4, reinterpret_cast<const float*>(at));
+  } else {
+    alignas(16) float copy[4] = {};
+    std::memcpy(copy, at, 3 * sizeof(float));
+    corner = hn::Load(f32x4, copy);
+  }
+  return hn::Add(corner, hn::Zero(f32x4));
 }
 
 // Whether the triangle certainly has an area: a component of the cross product of two edges is larger than
@@ -51,8 +51,8 @@ HWY_INLINE bool has_area(Float4 a, Float4 b, Float4 c) {
   return !hn::AllFalse(f32x4, hn::And(is_more, hn::FirstN(f32x4, 3)));
 }
 
-// Whether every coordinate is below `coordinate_limit`; false for what is not a number. The fourth lanes are
-// zero.
+// Whether every coordinate is below `coordinate_limit`; false for what is not a number. The fourth lanes hold
+// numbers that are.
 HWY_INLINE bool is_in_range(Float4 a, Float4 b, Float4 c) {
   const Float4 limit = hn::Set(f32x4, coordinate_limit);
   return hn::AllTrue(f32x4, hn::And(hn::And(hn::Lt(hn::Abs(a), limit), hn::Lt(hn::Abs(b), limit)),
