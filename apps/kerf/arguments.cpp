@@ -159,7 +159,7 @@ PictureSize parse_size(const std::string& option, const std::string& text) {
 
 CLI::Validator names_a_file() {
   return {[](const std::string& name) {
-            return name.empty() ? std::string("needs the name of a file, not an empty one") : std::string();
+            return name.empty() ? std::string("needs a name, not an empty one") : std::string();
           },
           ""};
 }

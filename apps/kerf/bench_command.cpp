@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
@@ -92,7 +91,7 @@ std::vector<Engine> make_engines(const Scene& scene, const std::vector<std::stri
 
 void bench(const BenchArguments& arguments) {
   unsigned threads = parse_whole("--threads", arguments.threads, 0, max_threads);
-  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  if (threads == 0) threads = usable_threads();
   const kerf::Quality quality = parse_quality("--quality", arguments.quality);
   if (!arguments.json.empty()) require_writable(arguments.json);
   const bool moves = arguments.motion.has_value();

@@ -70,10 +70,11 @@ std::string saved_bytes(const Hierarchy& hierarchy) {
 }
 
 std::string describe(const kerf::BvhStatistics& statistics) {
-  return fmt::format("{} triangles, {} references, {} bytes, built in {:.1f} ms",
-                     workbench::format_count(statistics.triangles),
-                     workbench::format_count(statistics.references),
-                     workbench::format_count(statistics.bytes), 1e3 * statistics.build_seconds);
+  return fmt::format("{}, {}, {}, built in {:.1f} ms",
+                     workbench::format_count(statistics.triangles, "triangle", "triangles"),
+                     workbench::format_count(statistics.references, "reference", "references"),
+                     workbench::format_count(statistics.bytes, "byte", "bytes"),
+                     1e3 * statistics.build_seconds);
 }
 
 // Each mesh once, and where it stands.
@@ -89,8 +90,9 @@ kerf::Scene build_places(const workbench::PlacedMeshes& placed, const kerf::Buil
     sum.bytes += of_one.bytes;
     sum.build_seconds += of_one.build_seconds;
   }
-  description = fmt::format("{} instances of {} meshes, {}", workbench::format_count(placed.places.size()),
-                            workbench::format_count(placed.meshes.size()), describe(sum));
+  description =
+      fmt::format("{} of {}, {}", workbench::format_count(placed.places.size(), "instance", "instances"),
+                  workbench::format_count(placed.meshes.size(), "mesh", "meshes"), describe(sum));
   return workbench::build_scene(placed, objects, options);
 }
 

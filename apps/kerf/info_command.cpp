@@ -211,8 +211,8 @@ std::string describe(const Scene& scene, const Facts& facts, std::size_t columns
   std::string text = scene.name + "\n";
   if (facts.places) {
     const PlaceFacts& places = *facts.places;
-    text += line("instances",
-                 fmt::format("{} of {} meshes", format_count(places.instances), format_count(places.meshes)));
+    text += line("instances", fmt::format("{} of {}", format_count(places.instances),
+                                          format_count(places.meshes, "mesh", "meshes")));
     text += line("triangles", fmt::format("{}, of {} in meshes", format_count(scene.triangle_count()),
                                           format_count(places.stored_triangles)));
   } else {
@@ -221,11 +221,12 @@ std::string describe(const Scene& scene, const Facts& facts, std::size_t columns
   }
   text += line("degenerate", format_count(facts.traced.degenerate_triangles));
   text += line("doubled", format_count(facts.surface.doubled_triangles));
-  text += line("closed", facts.surface.closed() ? "yes"
-                                                : fmt::format("no: {} edges have no counterpart",
-                                                              format_count(facts.surface.open_edges)));
+  text += line("closed", facts.surface.closed()
+                             ? "yes"
+                             : fmt::format("no: {} no counterpart",
+                                           format_count(facts.surface.open_edges, "edge has", "edges have")));
   if (const std::size_t flattened = scene.contents.flattened_triangles)
-    text += line("flattened", format_count(flattened) + " triangles, by rounding to floats");
+    text += line("flattened", format_count(flattened, "triangle", "triangles") + ", by rounding to floats");
   const std::string lower = format_point(box.lower), upper = format_point(box.upper);
   if (box.empty()) {
     text += line("bounds", "empty");

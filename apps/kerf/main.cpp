@@ -50,18 +50,20 @@ void check_command(const CLI::App& app, int argc, char** argv) {
       workbench::did_you_mean(word, names).empty() ? ";" : "", fmt::join(names, ", ")));
 }
 
-// What is wrong with a command line, and the option that a word may have meant.
+// What is wrong with a command line, and the option that a word may have meant. CLI11 lists words that it did
+// not expect from the last to the first.
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {
-  std::string text = error.what();
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return text;
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr) return error.what();
+  std::vector<std::string> words = app.remaining(), names;
   for (const CLI::App* command : app.get_subcommands()) {
-    std::vector<std::string> names;
     for (const CLI::Option* option : command->get_options())
       for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    for (const std::string& word : command->remaining()) {
-      const std::string meant = workbench::did_you_mean(word, names);
-      if (!meant.empty()) return text + meant;
-    }
+    for (const std::string& word : command->remaining()) words.push_back(word);
+  }
+  std::string text = fmt::format("not expected: {}", fmt::join(words, " "));
+  for (const std::string& word : words) {
+    const std::string meant = workbench::did_you_mean(word, names);
+    if (!meant.empty()) return text + meant;
   }
   return text;
 }

@@ -94,7 +94,7 @@ std::vector<ReportScene> measure(const Measurement& measurement, const Plan& pla
 
 void write(const Measurement& measurement, const Plan& plan, const std::vector<ReportScene>& measured) {
   const Machine machine = this_machine();
-  const unsigned threads = plan.compare.threads == 0 ? machine.threads : plan.compare.threads;
+  const unsigned threads = plan.compare.threads == 0 ? usable_threads() : plan.compare.threads;
   if (!plan.json.empty()) {
     std::vector<SceneFigures> figures;
     for (const ReportScene& scene : measured) figures.push_back(scene.figures);

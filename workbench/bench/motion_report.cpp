@@ -20,10 +20,11 @@ std::string format_scene(const MotionScene& scene, Emphasis emphasis, std::size_
       figures(results, "frame ms", "{:.2f}", false, [](const MotionResult& r) { return r.frame_ms; }),
   };
   for (const RayType type : ray_types) columns.push_back(speeds(results, type));
-  std::string text = fold_text(fmt::format("{}: {} triangles, bent by up to {:g} % of the extent", scene.name,
-                                           format_count(scene.triangles), 100.0 * scene.amount),
-                               max_width) +
-                     format(columns, emphasis, max_width);
+  std::string text =
+      fold_text(fmt::format("{}: {}, bent by up to {:g} % of the extent", scene.name,
+                            format_count(scene.triangles, "triangle", "triangles"), 100.0 * scene.amount),
+                max_width) +
+      format(columns, emphasis, max_width);
   for (const std::string& remark : scene.remarks) text += fold_text("Note: " + remark, max_width);
   return text + "\n";
 }

@@ -123,10 +123,11 @@ std::string format_scene(const BenchScene& scene, Emphasis emphasis, std::size_t
   }
   const std::string facts =
       scene.instances != 0
-          ? fmt::format("{} instances of {} meshes, {} triangles", format_count(scene.instances),
-                        format_count(scene.meshes), format_count(scene.triangles))
-          : fmt::format("{} triangles, {} references, SAH {:.2f}", format_count(scene.triangles),
-                        format_count(scene.references), scene.sah);
+          ? fmt::format("{} of {}, {}", format_count(scene.instances, "instance", "instances"),
+                        format_count(scene.meshes, "mesh", "meshes"),
+                        format_count(scene.triangles, "triangle", "triangles"))
+          : fmt::format("{}, {}, SAH {:.2f}", format_count(scene.triangles, "triangle", "triangles"),
+                        format_count(scene.references, "reference", "references"), scene.sah);
   std::string text =
       fold_text(fmt::format("{}: {}", scene.name, facts), max_width) + format(columns, emphasis, max_width);
   for (const std::string& remark : scene.remarks) text += fold_text("Note: " + remark, max_width);

@@ -14,7 +14,8 @@ namespace {
 constexpr double bar_width = 12.0;
 
 std::string heading(const SceneFigures& scene, std::size_t max_width) {
-  std::string text = fmt::format("{}: {} triangles", scene.name, format_count(scene.triangles));
+  std::string text =
+      fmt::format("{}: {}", scene.name, format_count(scene.triangles, "triangle", "triangles"));
   if (scene.degenerate_triangles != 0) {
     text += fmt::format(", {} of them degenerate and left out", format_count(scene.degenerate_triangles));
   }

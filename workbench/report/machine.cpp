@@ -1,11 +1,13 @@
 #include "workbench/report/machine.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <string_view>
 #include <thread>
 #include <utility>
 
 #include <fmt/format.h>
+#include <sched.h>
 #include <sys/utsname.h>
 
 namespace workbench {
@@ -67,6 +69,14 @@ Machine this_machine() {
           .threads = std::thread::hardware_concurrency(),
           .system = fmt::format("{}, {} {}", distribution, kernel.sysname, kernel.release),
           .compiler = compiler()};
+}
+
+unsigned usable_threads() {
+#ifdef __linux__
+  cpu_set_t usable;
+  if (sched_getaffinity(0, sizeof usable, &usable) == 0) return static_cast<unsigned>(CPU_COUNT(&usable));
+#endif
+  return std::max(1u, std::thread::hardware_concurrency());
 }
 
 }  // namespace workbench

@@ -14,4 +14,7 @@ struct Machine {
 
 Machine this_machine();
 
+/// How many of the machine's threads this process may run on: fewer under `taskset`, say.
+unsigned usable_threads();
+
 }  // namespace workbench

@@ -303,7 +303,7 @@ std::string setting(const std::string& scene) {
 std::string section(const Report& report, std::size_t i) {
   const ReportScene& scene = report.scenes[i];
   const SceneFigures& figures = scene.figures;
-  std::string facts = format_count(figures.triangles) + " triangles";
+  std::string facts = format_count(figures.triangles, "triangle", "triangles");
   if (figures.degenerate_triangles != 0) {
     facts += fmt::format(", {} of them degenerate and left out", format_count(figures.degenerate_triangles));
   }

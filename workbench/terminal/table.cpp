@@ -156,6 +156,10 @@ std::string format_count(std::size_t count) {
   return fmt::format("{},{:03}", format_count(count / 1000), count % 1000);
 }
 
+std::string format_count(std::size_t count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", format_count(count), count == 1 ? one : many);
+}
+
 std::string fold_text(const std::string& text, std::size_t max_width) {
   std::string folded;
   for (const std::string& line : wrap(text, max_width)) folded += line + "\n";

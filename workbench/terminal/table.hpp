@@ -39,6 +39,9 @@ std::string format(const std::vector<Column>& columns, Emphasis emphasis,
 /// 1234567 as `1,234,567`.
 std::string format_count(std::size_t count);
 
+/// `1,234,567 triangles` or `1 triangle`, of `one` "triangle" and `many` "triangles".
+std::string format_count(std::size_t count, std::string_view one, std::string_view many);
+
 /// `text` on lines of at most `max_width` characters, divided at its blanks, each ended with a line break.
 std::string fold_text(const std::string& text, std::size_t max_width = default_columns);
 

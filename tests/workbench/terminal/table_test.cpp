@@ -51,4 +51,7 @@ TEST(Table, CountsHaveACommaBeforeEachThousand) {
   EXPECT_EQ(format_count(999), "999");
   EXPECT_EQ(format_count(1000), "1,000");
   EXPECT_EQ(format_count(1000001), "1,000,001");
+  EXPECT_EQ(format_count(0, "triangle", "triangles"), "0 triangles");
+  EXPECT_EQ(format_count(1, "triangle", "triangles"), "1 triangle");
+  EXPECT_EQ(format_count(1000, "triangle", "triangles"), "1,000 triangles");
 }
