@@ -434,7 +434,8 @@ TEST(Tool, NamesTheRemedyWhereRoundingDestroysTriangles) {
     EXPECT_NE(outcome.errors.find("the area of 1 of 3 triangles"), std::string::npos) << outcome.errors;
     EXPECT_NE(outcome.errors.find("local frame"), std::string::npos) << outcome.errors;
   }
-  EXPECT_NE(run_tool("info " + file).output.find("flattened             1 triangle, by rounding"), std::string::npos);
+  EXPECT_NE(run_tool("info " + file).output.find("flattened             1 triangle, by rounding"),
+            std::string::npos);
 }
 
 TEST(Tool, ListsEveryGeneratedScene) {
