@@ -18,11 +18,13 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/kerf DESTINATION ${CMAKE_INSTALL
 install(EXPORT kerfTargets NAMESPACE kerf:: DESTINATION ${KERF_PACKAGE_DIR} COMPONENT development)
 
 get_target_property(KERF_LIBRARY_TYPE kerf TYPE)
-configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/kerfConfig.cmake.in ${PROJECT_BINARY_DIR}/kerfConfig.cmake
+# Not beside bin/, where find_package would take it for an installed one as soon as bin/ is in PATH.
+set(KERF_PACKAGE_FILES ${PROJECT_BINARY_DIR}/to_install)
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/kerfConfig.cmake.in ${KERF_PACKAGE_FILES}/kerfConfig.cmake
                               INSTALL_DESTINATION ${KERF_PACKAGE_DIR})
 # Before 1.0 a minor version may change the interface.
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/kerfConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/kerfConfig.cmake ${PROJECT_BINARY_DIR}/kerfConfigVersion.cmake
+write_basic_package_version_file(${KERF_PACKAGE_FILES}/kerfConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${KERF_PACKAGE_FILES}/kerfConfig.cmake ${KERF_PACKAGE_FILES}/kerfConfigVersion.cmake
         DESTINATION ${KERF_PACKAGE_DIR} COMPONENT development)
 
 # For users of pkg-config. A static library leaves the linking of what it stands on to the program that uses it.

@@ -34,8 +34,10 @@ if(NOT output MATCHES "hit triangle 0 of mesh 0 at t = 2")
 endif()
 message("${output}")
 
-# On a pool of threads of the program's own, whatever threads the library has.
-run(${CMAKE_COMMAND} -S ${SOURCE_DIR}/examples/own_pool -B ${WORK_DIR}/own_pool ${common} -DCMAKE_PREFIX_PATH=${prefix})
+# On a pool of threads of the program's own, whatever threads the library has. The package is found where CMake looks by
+# itself, although the programs of the build come first in PATH.
+run(${CMAKE_COMMAND} -E env "PATH=${BINARY_DIR}/bin:$ENV{PATH}" ${CMAKE_COMMAND} -S ${SOURCE_DIR}/examples/own_pool
+    -B ${WORK_DIR}/own_pool ${common} -DCMAKE_INSTALL_PREFIX=${prefix})
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/own_pool)
 run(${WORK_DIR}/own_pool/own_pool)
 if(NOT output MATCHES "75000 of 100000 rays hit the floor")
