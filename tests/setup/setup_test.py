@@ -176,6 +176,17 @@ def documents_are_checked_where_there_is_no_git(source, room):
     run(sys.executable, here / "scripts/check-docs", folder=room, environment={**os.environ, "PATH": str(room)})
 
 
+def documents_of_installed_packages_are_none_of_the_projects(source, room):
+    """Those that pip and npm lay into a clone, by the commands of the READMEs; with git and without."""
+    here = copy(source, room / "kerf")
+    for folder in ("environment/lib", "node_modules/kerf-bvh"):
+        (here / folder).mkdir(parents=True)
+        (here / folder / "README.md").write_text("[nowhere](nowhere.md)\n")
+    run(sys.executable, here / "scripts/check-docs", folder=room, environment={**os.environ, "PATH": str(room)})
+    run("git", "init", "-q", folder=here)
+    run(sys.executable, here / "scripts/check-docs", folder=room)
+
+
 def every_option_stands_in_the_table(source, _):
     text = (source / "docs/install.md").read_text()
     cmake = [source / "CMakeLists.txt", source / "cmake/KerfEmbree.cmake"]
