@@ -1,9 +1,7 @@
 #include "workbench/rays/camera.hpp"
 
-#include <cmath>
-#include <numbers>
-
 #include "workbench/base/vectors.hpp"
+#include "workbench/sampling/angles.hpp"
 
 namespace workbench {
 
@@ -13,8 +11,8 @@ Camera::Camera(const Viewpoint& viewpoint, std::size_t width, std::size_t height
   const Vec3f right = normalize(cross(forward, viewpoint.up));
   const Vec3f up = cross(right, forward);
   const auto w = static_cast<float>(width), h = static_cast<float>(height);
-  const float radians = viewpoint.vertical_field_of_view * std::numbers::pi_v<float> / 180.0f;
-  const float pixel = 2.0f * std::tan(0.5f * radians) / h;
+  const auto [sine, cosine] = sine_cosine(0.5 * viewpoint.vertical_field_of_view / 360.0);
+  const float pixel = 2.0f * (sine / cosine) / h;
   step_x_ = pixel * right;
   step_y_ = -pixel * up;
   corner_ = forward - 0.5f * w * step_x_ - 0.5f * h * step_y_;
