@@ -13,14 +13,17 @@
 #define HWY_COMPILE_ALL_ATTAINABLE
 #endif
 
-// SSSE3: such old machines take the fallback. SVE and RVV: a vector whose size is unknown to the compiler can
-// be neither a member nor an element of an array; NEON runs wherever SVE does.
-// KERF_LEFT_OUT are those that who builds the library does not want: an option of CMake.
+// What is better than AVX3 has lower bits and nothing more that kernels use. SSSE3 and SSE2, whose name is
+// newer than Highway 1.0: such old machines take the fallback. SVE and RVV: a vector whose size is unknown to
+// the compiler can be neither a member nor an element of an array; NEON runs wherever SVE does. KERF_LEFT_OUT
+// are those that who builds the library does not want: an option of CMake.
 #ifndef KERF_LEFT_OUT
 #define KERF_LEFT_OUT 0
 #endif
-#define HWY_DISABLED_TARGETS \
-  (HWY_SSSE3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | (KERF_LEFT_OUT))
+#define KERF_SSE2 (1LL << 14)
+#define HWY_DISABLED_TARGETS                                                                            \
+  ((HWY_AVX3 - 1) | HWY_SSSE3 | KERF_SSE2 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV | \
+   (KERF_LEFT_OUT))
 
 // Every aarch64 machine has NEON: nothing is left to be chosen at run time. With a choice Highway would ask
 // the compiler for AES instructions, which kernels do not use, some machines lack, and GCC does not inline

@@ -23,20 +23,20 @@ TEST(Targets, HaveATableEntryEach) {
     EXPECT_LT(targets[i - 1].table_index, targets[i].table_index) << targets[i].name;
 }
 
-// Every AVX-512 target, also those that only newer versions of Highway know, must get the code for sixteen
-// lanes.
+// Newer versions of Highway know more than these, which would make the library twice as large for nothing.
 std::size_t expected_lanes(std::string_view target) {
-  if (target.starts_with("AVX3") || target.starts_with("AVX10")) return 16;
+  if (target == "AVX3") return 16;
   if (target == "AVX2") return 8;
-  return target == "SCALAR" ? 1 : 4;
+  if (target == "SSE4" || target.starts_with("NEON")) return 4;
+  return target == "SCALAR" ? 1 : 0;
 }
 
-TEST(Targets, HaveKernelsForAllOfTheirLanes) {
+TEST(Targets, AreThoseThatKernelsGainFromWithAllOfTheirLanes) {
   kerf_tests::for_each_target([](const Target& target) {
     const Kernels& kernels = choose_kernels();
     std::printf("%-16s %2zu lanes\n", kernels.target, kernels.float_lanes);
     EXPECT_STREQ(kernels.target, target.name);
-    EXPECT_EQ(kernels.float_lanes, expected_lanes(target.name));
+    EXPECT_EQ(kernels.float_lanes, expected_lanes(target.name)) << target.name;
   });
 }
 
