@@ -63,7 +63,8 @@ function readObj(text) {
 /** `raceModel` in a page of Chromium, and what to call when all is done. */
 async function openBrowser() {
   const folder = mkdtempSync(join(tmpdir(), 'kerf-bench-')), web = fileURLToPath(new URL('..', import.meta.url));
-  process.on('exit', () => rmSync(folder, { recursive: true, force: true })); // Playwright makes an exit of Ctrl-C
+  process.on('exit', () => rmSync(folder, { recursive: true, force: true }));
+  process.once('SIGINT', () => process.exit(130)); // an exit: Playwright ends the browser then
   const imports = { three: '/web/node_modules/three/build/three.module.js', 'three-mesh-bvh': '/web/node_modules/three-mesh-bvh/build/index.module.js' };
   writeFileSync(join(folder, 'index.html'), `<!doctype html><script type="importmap">${JSON.stringify({ imports })}</script>`);
   const { server, root } = await serve({ '/web/': web, '/': folder }), browser = await launch(), page = await browser.newPage();
